@@ -1,0 +1,111 @@
+"""Tuning of observer, controller, allocator and drivers that belongs to a vessel."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from marine_model.schema import (
+    Fraction,
+    Matrix3,
+    NonNegative,
+    NonNegativeVector3,
+    Positive,
+    PositiveVector3,
+    Section,
+)
+
+
+class ObserverGains(Section):
+    """Passive nonlinear observer with wave filter, [Ruth] (B.6)-(B.14)."""
+
+    mass: Matrix3  # M
+    damping: Matrix3  # D
+    bias_time_constant: PositiveVector3  # s, T_b
+    wave_frequency: PositiveVector3  # rad/s, omega_0
+    wave_damping: PositiveVector3  # lambda
+    notch_damping: PositiveVector3  # zeta_n, 1 in (B.11)
+    cutoff_ratio: PositiveVector3  # omega_c / omega_0
+    bias_gain: PositiveVector3  # K_3
+    velocity_gain: PositiveVector3  # K_4
+
+    @model_validator(mode="after")
+    def _filter_is_a_notch(self) -> Self:
+        if not (np.array(self.wave_damping) < np.array(self.notch_damping)).all():
+            raise ValueError(
+                "wave_damping must be below notch_damping in every axis, found "
+                f"{list(self.wave_damping)} and {list(self.notch_damping)}"
+            )
+        if not (np.array(self.cutoff_ratio) > 1.0).all():
+            raise ValueError(f"cutoff_ratio must be above 1, found {list(self.cutoff_ratio)}")
+        return self
+
+
+class ReferenceGains(Section):
+    """Second-order reference generator, [Ruth] B.3.2."""
+
+    frequency: Positive  # rad/s
+    damping: Positive  # relative damping
+    velocity_max: PositiveVector3  # m/s, m/s, rad/s in the body frame
+
+
+class ControllerGains(Section):
+    """Nonlinear PID, [Ruth] (B.15)-(B.18)."""
+
+    proportional: NonNegativeVector3  # N/m, N/m, N m/rad
+    integral: NonNegativeVector3  # N/(m s), N/(m s), N m/(rad s)
+    derivative: NonNegativeVector3  # N s/m, N s/m, N m s/rad
+    reference: ReferenceGains
+
+
+class AllocatorGains(Section):
+    """Weights and constants of the allocation problem, [Ruth] 4.4 and B.3.4."""
+
+    slack_gain: Positive  # gamma
+    slack_weight: PositiveVector3  # diagonal of W_v
+    thrust_weight: Annotated[tuple[Positive, ...], Field(strict=False)]  # diagonal of W_u
+    approach_fraction: Annotated[float, Field(ge=0.0, lt=1.0)]  # c_1 of (4.14)-(4.17)
+    zero_region: Annotated[float, Field(gt=0.0, le=0.1)]  # c_2 of (4.38)-(4.39)
+
+
+class ShaftSpeedGains(Section):
+    """Shaft-speed PI, [Ruth] (3.9), per unit of shaft inertia so that one pair serves all thrusters."""
+
+    bandwidth: Positive  # 1/s
+    integral_time: Positive  # s
+
+
+class AzimuthGains(Section):
+    """Modified P controller of the azimuth direction, [Ruth] (B.37)-(B.38)."""
+
+    quadratic_gain: Positive  # step/rad^2, below the threshold
+    linear_gain: Positive  # step/rad, above it
+    threshold: Positive  # rad
+    rate_per_step: Positive  # rad/s of turning rate for one step of output
+
+
+class DriverGains(Section):
+    """Local thruster control."""
+
+    shaft_speed: ShaftSpeedGains
+    azimuth: AzimuthGains
+    command_timeout: Positive  # s without a command until thrust is ramped to zero
+
+
+class Measurement(Section):
+    """Position reference and sensors: rate and noise, as the simulator models them."""
+
+    sample_time: Positive  # s, between poses; the rate of the control system
+    position_noise: NonNegative  # m, standard deviation
+    heading_noise: NonNegative  # rad, standard deviation
+    shaft_speed_noise: NonNegative  # Hz, standard deviation
+    azimuth_noise: NonNegative  # rad, standard deviation
+    dropout: Fraction  # chance that a pose is lost
+
+
+class Simulation(Section):
+    """How the simulator steps."""
+
+    time_step: Positive  # s, of vessel, shafts and azimuths; the rate of thruster_feedback

@@ -1,0 +1,59 @@
+"""Hull of a vessel: particulars, manoeuvring coefficients and response to waves."""
+
+from __future__ import annotations
+
+from typing import Self
+
+import numpy as np
+from pydantic import model_validator
+
+from marine_model.schema import Matrix3, NonNegativeVector3, Positive, Section, Vector3
+
+
+class Particulars(Section):
+    """Main dimensions, at the scale of the file."""
+
+    length: Positive  # m, between perpendiculars
+    beam: Positive  # m
+    draught: Positive  # m
+    mass: Positive  # kg
+
+
+def _require_positive_definite(name: str, matrix: Matrix3) -> None:
+    array = np.array(matrix)
+    if np.linalg.eigvalsh(0.5 * (array + array.T)).min() <= 0.0:
+        raise ValueError(f"{name} must be positive definite, found {array.tolist()}")
+
+
+class Manoeuvring(Section):
+    """Low-frequency model: (M_RB + M_A) nu_dot + C(nu) nu + D nu + D_q |nu| nu = tau (Fossen)."""
+
+    rigid_body_mass: Matrix3  # kg, kg m, kg m^2
+    added_mass: Matrix3
+    linear_damping: Matrix3  # N s/m, N s, N m s
+    quadratic_damping: NonNegativeVector3  # N s^2/m^2, N s^2/m^2, N m s^2; acts on relative velocity
+
+    @model_validator(mode="after")
+    def _physical(self) -> Self:
+        total = np.array(self.rigid_body_mass) + np.array(self.added_mass)
+        if not np.allclose(total, total.T, atol=1e-12):
+            raise ValueError(
+                f"rigid_body_mass + added_mass must be symmetric, found {total.tolist()}"
+            )
+        _require_positive_definite("rigid_body_mass", self.rigid_body_mass)
+        _require_positive_definite(
+            "rigid_body_mass + added_mass",
+            tuple(tuple(row) for row in total.tolist()),  # type: ignore[arg-type]
+        )
+        _require_positive_definite("linear_damping", self.linear_damping)
+        return self
+
+
+class WaveForces(Section):
+    """Mean second-order force in regular waves of amplitude a from relative direction b.
+
+    X = c0 (rho g a^2 B / 2) cos b,  Y = c1 (rho g a^2 L / 2) sin b |sin b|,  N = c2 (rho g a^2 L B / 2) sin 2b,
+    with b = 0 for waves that travel ahead along the body x-axis.
+    """
+
+    drift_coefficient: Vector3

@@ -1,0 +1,149 @@
+"""A vessel: everything the nodes need to know about it, validated."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from marine_model.gains import (
+    AllocatorGains,
+    ControllerGains,
+    DriverGains,
+    Measurement,
+    ObserverGains,
+    Simulation,
+)
+from marine_model.guards import FloatArray
+from marine_model.hull import Manoeuvring, Particulars, WaveForces
+from marine_model.propeller import BollardPropellers
+from marine_model.schema import Positive, Section
+from marine_model.thruster import AzimuthThruster, Thruster
+from marine_model.thruster_configuration import cartesian_configuration
+
+
+def _frozen(values: list[float]) -> FloatArray:
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+class Vessel(Section):
+    """One vessel file. Arrays over thrusters have shape (n,) and the order of the file."""
+
+    name: str = Field(min_length=1)
+    description: str
+    scale: Positive  # length of the ship over length of what this file describes
+    degrees_of_freedom: Annotated[
+        tuple[Literal["surge"], Literal["sway"], Literal["yaw"]], Field(strict=False)
+    ]
+    density: Positive  # kg/m^3
+    hull: Particulars
+    manoeuvring: Manoeuvring
+    wave_forces: WaveForces
+    thrusters: Annotated[tuple[Thruster, ...], Field(strict=False, min_length=1)]
+    observer: ObserverGains
+    controller: ControllerGains
+    allocator: AllocatorGains
+    drivers: DriverGains
+    measurement: Measurement
+    simulation: Simulation
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        names = list(self.thruster_names)
+        repeated = sorted({name for name in names if names.count(name) > 1})
+        if repeated:
+            raise ValueError(f"thrusters: every name must be unique, found {repeated} repeated")
+        n = len(self.thrusters)
+        if len(self.allocator.thrust_weight) != n:
+            raise ValueError(
+                f"allocator.thrust_weight: expected {n} numbers, one a thruster, "
+                f"found {len(self.allocator.thrust_weight)}"
+            )
+        if not np.any(self.lever_x) and not np.any(self.lever_y):
+            raise ValueError("thrusters: all lever arms are zero, so that no yaw moment is possible")
+        if np.linalg.matrix_rank(self._attainable_directions()) < 3:
+            raise ValueError(
+                "thrusters: together they cannot produce surge, sway and yaw independently"
+            )
+        steps = self.measurement.sample_time / self.simulation.time_step
+        if abs(steps - round(steps)) > 1e-9 or round(steps) < 1:
+            raise ValueError(
+                "measurement.sample_time must be a whole multiple of simulation.time_step, found "
+                f"{self.measurement.sample_time} and {self.simulation.time_step}"
+            )
+        return self
+
+    def _attainable_directions(self) -> FloatArray:
+        """Columns of generalized force: both components of an azimuth thruster, one of a tunnel."""
+        n = len(self.thrusters)
+        cartesian = cartesian_configuration(self.lever_x, self.lever_y)
+        columns = []
+        for j, thruster in enumerate(self.thrusters):
+            if isinstance(thruster, AzimuthThruster):
+                columns += [cartesian[:, j], cartesian[:, n + j]]
+            else:
+                angle = thruster.direction
+                columns.append(np.cos(angle) * cartesian[:, j] + np.sin(angle) * cartesian[:, n + j])
+        return np.column_stack(columns)
+
+    @cached_property
+    def thruster_names(self) -> tuple[str, ...]:
+        """Names in file order."""
+        return tuple(thruster.name for thruster in self.thrusters)
+
+    @cached_property
+    def lever_x(self) -> FloatArray:
+        """L_x, m ahead of the origin."""
+        return _frozen([thruster.position[0] for thruster in self.thrusters])
+
+    @cached_property
+    def lever_y(self) -> FloatArray:
+        """L_y, m to starboard of the origin."""
+        return _frozen([thruster.position[1] for thruster in self.thrusters])
+
+    @cached_property
+    def thrust_min(self) -> FloatArray:
+        """T_min, N."""
+        return _frozen([thruster.thrust.min for thruster in self.thrusters])
+
+    @cached_property
+    def thrust_max(self) -> FloatArray:
+        """T_max, N."""
+        return _frozen([thruster.thrust.max for thruster in self.thrusters])
+
+    @cached_property
+    def thrust_rate(self) -> FloatArray:
+        """Largest rate of change of thrust, N/s."""
+        return _frozen([thruster.thrust.rate for thruster in self.thrusters])
+
+    @cached_property
+    def fixed_direction(self) -> FloatArray:
+        """Direction of every thruster when none may rotate, rad."""
+        return _frozen([thruster.fixed_direction for thruster in self.thrusters])
+
+    @cached_property
+    def can_rotate(self) -> tuple[bool, ...]:
+        """True where the thruster is an azimuth thruster."""
+        return tuple(isinstance(thruster, AzimuthThruster) for thruster in self.thrusters)
+
+    @cached_property
+    def azimuth_rate(self) -> FloatArray:
+        """Largest commanded turning rate, rad/s; 0 for a tunnel thruster."""
+        return _frozen(
+            [t.azimuth.rate if isinstance(t, AzimuthThruster) else 0.0 for t in self.thrusters]
+        )
+
+    @cached_property
+    def propellers(self) -> BollardPropellers:
+        """Propellers of all thrusters."""
+        data = [thruster.propeller for thruster in self.thrusters]
+        return BollardPropellers(
+            diameter=_frozen([p.diameter for p in data]),
+            thrust_coefficient=_frozen([p.thrust_coefficient for p in data]),
+            torque_coefficient=_frozen([p.torque_coefficient for p in data]),
+            density=self.density,
+        )
