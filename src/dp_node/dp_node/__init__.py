@@ -1,0 +1,25 @@
+"""What every node of the dynamic-positioning graph shares."""
+
+from dp_node.answer_gate import AnswerGate
+from dp_node.executor import RingExecutor
+from dp_node.health import Health, Level
+from dp_node.node import DpNode
+from dp_node.quality import LATCHED, RING
+from dp_node.run import run_node, run_nodes
+from dp_node.stamps import StampSequence, from_nanoseconds, seconds_between, to_nanoseconds
+
+__all__ = [
+    "LATCHED",
+    "RING",
+    "AnswerGate",
+    "DpNode",
+    "Health",
+    "Level",
+    "RingExecutor",
+    "StampSequence",
+    "from_nanoseconds",
+    "run_node",
+    "run_nodes",
+    "seconds_between",
+    "to_nanoseconds",
+]

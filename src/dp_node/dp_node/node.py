@@ -1,0 +1,219 @@
+"""Base class of the nodes: life cycle, vessel, parameters, guarded callbacks, diagnostics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import ParameterDescriptor, ParameterType
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+
+from dp_node.health import Health, Level, to_status
+from dp_node.parameters import SettingsParameters
+from dp_node.quality import RING
+from marine_model import Vessel, load_vessel
+from marine_model.errors import InputError
+from marine_model.settings import Settings
+
+S = TypeVar("S", bound=Settings)
+
+_DIAGNOSTICS_PERIOD = 1.0  # s
+
+
+class DpNode(LifecycleNode, Generic[S]):
+    """A managed node around one pure core.
+
+    A subclass says what its settings are (:meth:`default_settings`), builds core, publishers and subscriptions in
+    :meth:`build`, hands changed settings on in :meth:`apply`, and tells its state in :meth:`health`. Publishers come
+    from :meth:`publish_on`, subscriptions from :meth:`listen`: their callbacks run only while the node is active, and
+    an InputError raised by one is reported and counted, never fatal.
+
+    Parameters
+    ----------
+    name
+        Node name.
+
+    Raises
+    ------
+    DpError
+        If the vessel cannot be loaded, or a parameter given at start-up is refused.
+    """
+
+    def __init__(self, name: str, **kwargs: Any) -> None:
+        super().__init__(name, **kwargs)
+        self.vessel: Vessel = load_vessel(
+            self.structural("vessel", "cybership3", "Name or path of the vessel file")
+        )
+        self.autostart: bool = self.structural(
+            "autostart", True, "Configure and activate without being told to"
+        )
+        self._refused = 0
+        self._last_refusal = ""
+        self._refusals_reported = 0
+        self._active = False
+        self._parameters_bound = SettingsParameters(
+            self, self.default_settings(self.vessel), self.check, self._apply
+        )
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", RING)
+        self.create_timer(_DIAGNOSTICS_PERIOD, self.publish_diagnostics)
+
+    # What a subclass provides ---------------------------------------------------------------------------------------
+
+    def default_settings(self, vessel: Vessel) -> S:
+        """Return the settings that hold when no parameter overrides them."""
+        raise NotImplementedError
+
+    def check(self, settings: S) -> None:
+        """Raise InputError if ``settings`` do not fit the vessel."""
+
+    def build(self) -> None:
+        """Make the core, publishers and subscriptions (transition configure)."""
+        raise NotImplementedError
+
+    def apply(self, settings: S) -> None:
+        """Hand changed settings to the core; only called between build and clean-up."""
+        raise NotImplementedError
+
+    def started(self) -> None:
+        """Act on activation: forget what belongs to an earlier activation."""
+
+    def stopped(self) -> None:
+        """Act on deactivation, while publishers still publish."""
+
+    def health(self) -> Health:
+        """Return the state of the core; what the base class knows is added."""
+        return Health()
+
+    # What a subclass uses -------------------------------------------------------------------------------------------
+
+    @property
+    def settings(self) -> S:
+        """The settings in force."""
+        return self._parameters_bound.current
+
+    @property
+    def active(self) -> bool:
+        """True between activation and deactivation."""
+        return self._active
+
+    def structural(self, name: str, default: Any, description: str) -> Any:
+        """Declare a read-only parameter and return its value."""
+        kinds = {
+            bool: ParameterType.PARAMETER_BOOL,
+            float: ParameterType.PARAMETER_DOUBLE,
+            str: ParameterType.PARAMETER_STRING,
+        }
+        descriptor = ParameterDescriptor(
+            name=name, type=kinds[type(default)], description=description, read_only=True
+        )
+        return self.declare_parameter(name, default, descriptor).value
+
+    def publish_on(self, kind: Any, topic: str, quality: QoSProfile = RING) -> Publisher:
+        """Return a publisher that is silent while the node is not active."""
+        return self.create_lifecycle_publisher(kind, topic, quality)
+
+    def listen(
+        self, kind: Any, topic: str, callback: Callable[[Any], None], quality: QoSProfile = RING
+    ) -> None:
+        """Subscribe ``callback``, guarded: it runs while active, and its InputError is reported and counted."""
+
+        def guarded(message: Any) -> None:
+            if not self._active:
+                return
+            try:
+                callback(message)
+            except InputError as error:
+                self.refuse(str(error))
+
+        self.create_subscription(kind, topic, guarded, quality)
+
+    def refuse(self, reason: str) -> None:
+        """Count and report an input that was refused."""
+        self._refused += 1
+        self._last_refusal = reason
+        self.get_logger().warning(f"refused: {reason}", throttle_duration_sec=1.0)
+
+    # Life cycle -----------------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Configure and activate, if ``autostart`` says so. Raises InputError if a transition fails."""
+        if not self.autostart:
+            return
+        for transition in (self.trigger_configure, self.trigger_activate):
+            if transition() is not TransitionCallbackReturn.SUCCESS:
+                raise InputError(f"{self.get_name()}: {transition.__name__} failed")
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Build the core and its topics."""
+        self._before = (
+            set(self.publishers),
+            set(self.subscriptions),
+            set(self.timers),
+            set(self.services),
+        )
+        self.build()
+        return super().on_configure(state)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Begin to act on messages."""
+        result = super().on_activate(state)
+        self.started()
+        self._active = True
+        return result
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Stop acting on messages."""
+        self._active = False
+        self.stopped()
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Give up what build made."""
+        result = super().on_cleanup(state)
+        publishers, subscriptions, timers, services = self._before
+        for publisher in set(self.publishers) - publishers:
+            self.destroy_publisher(publisher)
+        for subscription in set(self.subscriptions) - subscriptions:
+            self.destroy_subscription(subscription)
+        for timer in set(self.timers) - timers:
+            self.destroy_timer(timer)
+        for service in set(self.services) - services:
+            self.destroy_service(service)
+        self._managed_entities = {
+            entity for entity in self._managed_entities if entity in publishers
+        }
+        return result
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Stop acting on messages for good."""
+        if self._active:
+            self._active = False
+            self.stopped()
+        return super().on_shutdown(state)
+
+    # Diagnostics ----------------------------------------------------------------------------------------------------
+
+    def _apply(self, settings: S) -> None:
+        if self._built:
+            self.apply(settings)
+
+    @property
+    def _built(self) -> bool:
+        return self._state_machine.current_state[1] in ("inactive", "active", "activating")
+
+    def publish_diagnostics(self) -> None:
+        """Publish the health of this node on /diagnostics."""
+        label = self._state_machine.current_state[1]
+        own = Health(values={"state": label, "refused_inputs": self._refused})
+        if self._refused > self._refusals_reported:
+            self._refusals_reported = self._refused
+            own = Health(Level.WARN, f"refused: {self._last_refusal}", own.values)
+        core = self.health() if self._built else Health(Level.WARN, label)
+        message = DiagnosticArray(
+            status=[to_status(self.get_fully_qualified_name().lstrip("/"), core.worse_of(own))]
+        )
+        message.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(message)

@@ -1,0 +1,1 @@
+"""The operator's tools: run the graph, record it, report on it."""
