@@ -4,13 +4,14 @@ from dp_node.answer_gate import AnswerGate
 from dp_node.executor import RingExecutor
 from dp_node.health import Health, Level
 from dp_node.node import DpNode
-from dp_node.quality import LATCHED, RING
+from dp_node.quality import LATCHED, RING, RING_PUBLISHER
 from dp_node.run import run_node, run_nodes
 from dp_node.stamps import StampSequence, from_nanoseconds, seconds_between, to_nanoseconds
 
 __all__ = [
     "LATCHED",
     "RING",
+    "RING_PUBLISHER",
     "AnswerGate",
     "DpNode",
     "Health",

@@ -13,7 +13,7 @@ from rclpy.qos import QoSProfile
 
 from dp_node.health import Health, Level, to_status
 from dp_node.parameters import SettingsParameters
-from dp_node.quality import RING
+from dp_node.quality import RING, RING_PUBLISHER
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
 from marine_model.settings import Settings
@@ -57,7 +57,7 @@ class DpNode(LifecycleNode, Generic[S]):
         self._parameters_bound = SettingsParameters(
             self, self.default_settings(self.vessel), self.check, self._apply
         )
-        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", RING)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", RING_PUBLISHER)
         self.create_timer(_DIAGNOSTICS_PERIOD, self.publish_diagnostics)
 
     # What a subclass provides ---------------------------------------------------------------------------------------
@@ -111,7 +111,7 @@ class DpNode(LifecycleNode, Generic[S]):
         )
         return self.declare_parameter(name, default, descriptor).value
 
-    def publish_on(self, kind: Any, topic: str, quality: QoSProfile = RING) -> Publisher:
+    def publish_on(self, kind: Any, topic: str, quality: QoSProfile = RING_PUBLISHER) -> Publisher:
         """Return a publisher that is silent while the node is not active."""
         return self.create_lifecycle_publisher(kind, topic, quality)
 

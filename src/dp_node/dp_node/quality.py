@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
+_DEPTH = 50
+
 # Data that travels round the ring: nothing may be lost, and a late reader does not want old samples.
 RING = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
-    depth=50,
+    depth=_DEPTH,
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.VOLATILE,
+)
+
+# The sending side keeps what it sent last for the one reader that does want it: a recorder that is still being
+# matched when the first messages go out asks for transient-local durability and so loses none of them.
+RING_PUBLISHER = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=_DEPTH,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
 
 # Operator inputs and states that a late joiner must still see.

@@ -1,0 +1,18 @@
+"""The `dp` command: the operator's work without the `ros2` command."""
+
+from __future__ import annotations
+
+from dp_tools.commands.parameters import parameters_app
+from dp_tools.commands.report import report
+from dp_tools.commands.root import app, main
+from dp_tools.commands.scenarios import scenario_app
+from dp_tools.commands.topics import topics
+from dp_tools.commands.up import up
+
+app.command()(up)
+app.command()(report)
+app.command()(topics)
+app.add_typer(parameters_app, name="param")
+app.add_typer(scenario_app, name="scenario")
+
+__all__ = ["app", "main"]

@@ -1,0 +1,40 @@
+"""Newest simulated time, taken only when asked for."""
+
+from __future__ import annotations
+
+import os
+
+import rclpy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+
+from dp_node import RingExecutor, to_nanoseconds
+
+
+class ClockReader:
+    """Reads /clock on demand.
+
+    It has a node and an executor of its own, depth 1 and best effort: a clock that ticks a thousand times a second is
+    not worth a callback a tick.
+    """
+
+    def __init__(self) -> None:
+        self._time = 0.0
+        self._node = rclpy.create_node(f"dp_clock_reader_{os.getpid()}", start_parameter_services=False)
+        quality = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self._node.create_subscription(Clock, "/clock", self._note, quality)
+        self._executor = RingExecutor()
+        self._executor.add_node(self._node)
+
+    def _note(self, message: Clock) -> None:
+        self._time = to_nanoseconds(message.clock) * 1e-9
+
+    def time(self) -> float:
+        """Return the newest simulated time, s; 0 before the first tick."""
+        self._executor.spin_once(timeout_sec=0.0)
+        return self._time
+
+    def close(self) -> None:
+        """Give the node back."""
+        self._executor.shutdown()
+        self._node.destroy_node()

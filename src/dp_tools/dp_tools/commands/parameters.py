@@ -1,0 +1,123 @@
+"""`dp param`: parameters of running nodes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+import yaml
+from rcl_interfaces.msg import ParameterDescriptor, ParameterType
+from rich.table import Table
+
+from dp_tools.commands.root import console
+from dp_tools.operator_node import Operator, operator
+from dp_tools.parameter_service import (
+    RemoteParameters,
+    parse_value,
+    read_parameter_file,
+    to_parameter_file,
+)
+from dp_tools.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
+
+parameters_app = typer.Typer(help="Read and change parameters of running nodes.", no_args_is_help=True)
+
+Namespace = Annotated[str, typer.Option(help="Namespace of the graph.")]
+NodeName = Annotated[str, typer.Argument(help="Node, e.g. thrust_allocator.")]
+_TYPES = {
+    getattr(ParameterType, name): name.removeprefix("PARAMETER_").lower()
+    for name in dir(ParameterType)
+    if name.startswith("PARAMETER_")
+}
+
+
+@parameters_app.command("list")
+def list_parameters(
+    node: Annotated[str, typer.Argument(help="Node; all of the graph if left out.")] = "",
+    namespace: Namespace = "",
+) -> None:
+    """List parameters with value, type, range and meaning."""
+    with operator(namespace) as one:
+        for name in [node] if node else _running(one):
+            remote = RemoteParameters(one, name)
+            values = remote.get()
+            descriptors = remote.describe(list(values))
+            table = Table("parameter", "value", "type", "range", "meaning", title=name, title_justify="left")
+            for parameter, value in values.items():
+                descriptor = descriptors[parameter]
+                kind = _TYPES[descriptor.type] + (", read-only" if descriptor.read_only else "")
+                table.add_row(parameter, _text(value), kind, _range(descriptor), descriptor.description.replace("[", r"\["))
+            console.print(table)
+
+
+@parameters_app.command()
+def get(node: NodeName, names: Annotated[list[str], typer.Argument(help="Parameters.")], namespace: Namespace = "") -> None:
+    """Print values, one a line."""
+    with operator(namespace) as one:
+        for name, value in RemoteParameters(one, node).get(names).items():
+            console.print(f"{name}: {_text(value)}", markup=False, highlight=False)
+
+
+@parameters_app.command("set", context_settings={"ignore_unknown_options": True})
+def set_parameters(
+    node: NodeName,
+    pairs: Annotated[list[str], typer.Argument(help="NAME VALUE [NAME VALUE ...]; values in YAML.")],
+    namespace: Namespace = "",
+) -> None:
+    """Set parameters of one node, all or none; a refusal gives the node's reason."""
+    if len(pairs) % 2:
+        raise typer.BadParameter("expected NAME VALUE pairs, found an odd number of words")
+    values = {name: parse_value(text) for name, text in zip(pairs[::2], pairs[1::2], strict=True)}
+    with operator(namespace) as one:
+        RemoteParameters(one, node).set(values)
+    for name, value in values.items():
+        console.print(f"{node}: {name} = {_text(value)}", markup=False, highlight=False)
+
+
+@parameters_app.command()
+def dump(
+    nodes: Annotated[list[str] | None, typer.Argument(help="Nodes; all of the graph if left out.")] = None,
+    output: Annotated[Path | None, typer.Option(help="File to write; standard output if left out.")] = None,
+    namespace: Namespace = "",
+) -> None:
+    """Write all parameters as a ROS parameter file (for --params-file, ros2 param load, dp param load)."""
+    with operator(namespace) as one:
+        text = to_parameter_file({name: RemoteParameters(one, name).get() for name in nodes or _running(one)})
+    if output is None:
+        typer.echo(text, nl=False)
+    else:
+        output.write_text(text, encoding="utf-8")
+
+
+@parameters_app.command()
+def load(file: Annotated[Path, typer.Argument(help="ROS parameter file.")], namespace: Namespace = "") -> None:
+    """Set the parameters of a file, node by node, each node's all or none; read-only ones must agree."""
+    values = read_parameter_file(file)
+    with operator(namespace) as one:
+        for node, own in values.items():
+            changed = RemoteParameters(one, node).set_changeable(own)
+            console.print(f"{node}: set {len(changed)} parameters")
+
+
+def _running(one: Operator) -> list[str]:
+    known = (*RING_PACKAGES, SIMULATOR_PACKAGE)
+    namespace = one.node.get_namespace()
+
+    def present() -> list[str]:
+        pairs = one.node.get_node_names_and_namespaces()
+        return [name for name in known if (name, namespace) in pairs]
+
+    one.wait_until(lambda: bool(present()), 3.0, f"a node of the graph in namespace {namespace}")
+    return one.settled(present)
+
+
+def _text(value: Any) -> str:
+    return yaml.safe_dump(value, default_flow_style=True).strip().removesuffix("...").strip()
+
+
+def _range(descriptor: ParameterDescriptor) -> str:
+    for limits in (*descriptor.floating_point_range, *descriptor.integer_range):
+        low = "" if abs(limits.from_value) > 1e300 else f"{limits.from_value:g}"
+        high = "" if abs(limits.to_value) > 1e300 else f"{limits.to_value:g}"
+        return f"{low} .. {high}"
+    return ""

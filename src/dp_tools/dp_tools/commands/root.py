@@ -1,0 +1,30 @@
+"""The command itself: its name, its help, and what an error looks like."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+from rich.console import Console
+
+from marine_model.errors import DpError
+
+console = Console()
+error_console = Console(stderr=True)
+
+app = typer.Typer(
+    name="dp",
+    help="Run, steer, record and report on the dynamic-positioning graph.",
+    no_args_is_help=True,
+    pretty_exceptions_show_locals=False,
+)
+
+
+def main() -> None:
+    """Run the command; an error of ours is one plain text and exit code 1, never a traceback."""
+    try:
+        app()
+    except DpError as error:
+        error_console.print(f"[bold red]error:[/] {type(error).__name__}", highlight=False)
+        error_console.print(str(error), markup=False, highlight=False, soft_wrap=True)
+        sys.exit(1)

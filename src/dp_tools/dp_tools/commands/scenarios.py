@@ -1,0 +1,30 @@
+"""`dp scenario`: the scenarios that can be played."""
+
+from __future__ import annotations
+
+import typer
+from rich.table import Table
+
+from dp_tools.commands.root import console
+from dp_tools.scenario import load_scenario, scenario_names
+
+scenario_app = typer.Typer(help="Scenarios that can be played.", no_args_is_help=True)
+
+
+@scenario_app.command("list")
+def list_scenarios() -> None:
+    """List the scenarios that come with the project."""
+    table = Table("name", "title", "vessel", "duration [s]".replace("[", r"\["), "source")
+    for name in scenario_names():
+        scenario = load_scenario(name)
+        table.add_row(name, scenario.title, scenario.vessel, f"{scenario.duration:g}", scenario.source)
+    console.print(table)
+
+
+@scenario_app.command("check")
+def check_scenario(name_or_path: str) -> None:
+    """Check a scenario file; every problem is shown with file, line and field."""
+    scenario = load_scenario(name_or_path)
+    console.print(
+        f"{scenario.name}: valid, {len(scenario.events)} events in {scenario.duration:g} s", markup=False
+    )

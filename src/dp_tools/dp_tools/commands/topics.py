@@ -1,0 +1,61 @@
+"""`dp topics`: what is published in the graph."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from typing import Annotated
+
+import typer
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rich.table import Table
+
+from dp_tools.commands.root import console
+from dp_tools.message_types import message_class
+from dp_tools.operator_node import operator
+
+_HIDDEN = ("/rosout", "/parameter_events")
+
+
+def topics(
+    rate: Annotated[float, typer.Option(help="Listen for so many seconds and show messages a second.", min=0.0)] = 0.0,
+    every: Annotated[bool, typer.Option("--all", help="Show rosout and parameter events as well.")] = False,
+    namespace: Annotated[str, typer.Option(help="Namespace of the graph.")] = "",
+) -> None:
+    """List topics with type, publishers and subscribers."""
+    with operator(namespace) as one:
+        own = one.node.get_name()
+        one.wait_until(
+            lambda: any(t for t, _ in _visible(one.node, every)), 3.0, "a topic; is the graph running?"
+        )
+        found = one.settled(lambda: _visible(one.node, every))
+        counts: Counter[str] = Counter()
+        if rate > 0.0:
+            for topic, kind in found:
+                # A bare count: no decoding, and nobody is made to wait for us.
+                quality = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
+                one.node.create_subscription(
+                    message_class(kind), topic, lambda raw, topic=topic: counts.update([topic]), quality, raw=True
+                )
+            end = time.monotonic() + rate
+            while time.monotonic() < end:
+                one.executor.spin_once(timeout_sec=0.05)
+        table = Table("topic", "type", "publishers", "subscribers", *(["Hz"] if rate else []))
+        for topic, kind in found:
+            publishers = [e.node_name for e in one.node.get_publishers_info_by_topic(topic)]
+            subscribers = [
+                e.node_name for e in one.node.get_subscriptions_info_by_topic(topic) if e.node_name != own
+            ]
+            row = [topic, kind, ", ".join(sorted(set(publishers))), ", ".join(sorted(set(subscribers)))]
+            table.add_row(*row, *([f"{counts[topic] / rate:.1f}"] if rate else []))
+        console.print(table)
+
+
+def _visible(node: Node, every: bool) -> list[tuple[str, str]]:
+    return [
+        (topic, kinds[0])
+        for topic, kinds in sorted(node.get_topic_names_and_types())
+        if (every or topic not in _HIDDEN)
+        and any(e.node_name != node.get_name() for e in node.get_publishers_info_by_topic(topic))
+    ]

@@ -1,0 +1,92 @@
+"""A short-lived ROS node through which the command line talks to the graph."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+import rclpy
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+
+from dp_node import RingExecutor
+from marine_model.errors import DpError
+
+
+T = TypeVar("T")
+
+
+class NoAnswer(DpError):
+    """A node or service did not answer within its time."""
+
+
+class Operator:
+    """One node on one executor, with bounded waits.
+
+    Parameters
+    ----------
+    node
+        The ROS node; its executor is made here.
+    watch
+        Called while waiting; raises to give the wait up, e.g. because a process has died.
+    """
+
+    def __init__(self, node: Node, watch: Callable[[], None] = lambda: None) -> None:
+        self.node = node
+        self.watch = watch
+        self.executor = RingExecutor()
+        self.executor.add_node(node)
+
+    def wait_until(self, condition: Callable[[], bool], seconds: float | None, what: str) -> None:
+        """Spin until ``condition`` holds.
+
+        Raises
+        ------
+        NoAnswer
+            If it does not hold within ``seconds`` (None: no limit); the text names ``what`` was waited for.
+        """
+        deadline = None if seconds is None else time.monotonic() + seconds
+        while not condition():
+            self.watch()
+            if deadline is not None and time.monotonic() > deadline:
+                raise NoAnswer(f"waited {seconds:g} s for {what}")
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def settled(self, observe: Callable[[], T], quiet: float = 0.3, seconds: float = 3.0) -> T:
+        """Spin until ``observe`` has returned the same for ``quiet`` s, at most ``seconds``: discovery takes a moment."""
+        deadline = time.monotonic() + seconds
+        seen, since = observe(), time.monotonic()
+        while time.monotonic() < min(deadline, since + quiet):
+            self.executor.spin_once(timeout_sec=0.05)
+            now = observe()
+            if now != seen:
+                seen, since = now, time.monotonic()
+        return seen
+
+    def call(self, client: Any, request: Any, seconds: float | None, what: str) -> Any:
+        """Call a service and return its response. Raises NoAnswer."""
+        self.wait_until(
+            client.service_is_ready, 5.0 if seconds is None else seconds, f"service {client.srv_name}"
+        )
+        future: Future = client.call_async(request)
+        self.wait_until(future.done, seconds, what)
+        return future.result()
+
+
+@contextmanager
+def operator(namespace: str = "") -> Iterator[Operator]:
+    """Make an operator node, and close it in the end."""
+    # Ctrl-C stays Python's KeyboardInterrupt, so that children can be stopped in order.
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node(f"dp_operator_{os.getpid()}", namespace=namespace or None)
+    one = Operator(node)
+    try:
+        yield one
+    finally:
+        one.executor.shutdown()
+        node.destroy_node()
+        rclpy.try_shutdown()

@@ -1,0 +1,90 @@
+"""What a run leaves in its folder, and the parameter file that starts it."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dp_tools.parameter_service import to_parameter_file
+from dp_tools.scenario import Scenario
+from dp_tools.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
+from marine_model.errors import DpError
+
+
+class FolderRefused(DpError):
+    """A run folder cannot be used."""
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """Paths of one run."""
+
+    path: Path
+
+    @property
+    def bag(self) -> Path:
+        """Folder of the recording."""
+        return self.path / "bag"
+
+    @property
+    def logs(self) -> Path:
+        """Output of every process."""
+        return self.path / "logs"
+
+    @property
+    def parameters(self) -> Path:
+        """Parameter file that the nodes were started with."""
+        return self.path / "parameters.yaml"
+
+    def prepare(self, overwrite: bool) -> None:
+        """Make the folder.
+
+        Raises
+        ------
+        FolderRefused
+            If it cannot be written, or holds a recording and ``overwrite`` is false.
+        """
+        if self.bag.exists():
+            if not overwrite:
+                raise FolderRefused(
+                    f"{self.bag}: holds a recording; choose another --output, or --overwrite it"
+                )
+            shutil.rmtree(self.bag)
+        try:
+            self.logs.mkdir(parents=True, exist_ok=True)
+            (self.path / ".writable").touch()
+            (self.path / ".writable").unlink()
+        except OSError as error:
+            raise FolderRefused(f"{self.path}: cannot be written: {error.strerror}") from error
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How simulated time goes: lockstep waits for the ring; rate is simulated over wall seconds, 0 for no limit."""
+
+    lockstep: bool
+    rate: float
+
+
+def start_parameters(
+    vessel: str, scenario: Scenario | None, pace: Pace, hold: bool
+) -> dict[str, dict[str, Any]]:
+    """Return parameters by node: vessel, pace, and what the scenario says."""
+    values: dict[str, dict[str, Any]] = {
+        package: {"vessel": vessel} for package in (*RING_PACKAGES, SIMULATOR_PACKAGE)
+    }
+    values["dp_observer"]["synchronous"] = pace.lockstep
+    values["dp_controller"]["synchronous"] = pace.lockstep
+    values[SIMULATOR_PACKAGE] |= {"lockstep": pace.lockstep, "rate": float(pace.rate), "hold": hold}
+    if scenario is not None:
+        values[SIMULATOR_PACKAGE]["seed"] = scenario.seed
+        for node, own in scenario.parameters.items():
+            values[node] |= own
+    return values
+
+
+def write_start_parameters(folder: RunFolder, values: dict[str, dict[str, Any]]) -> None:
+    """Write the parameter file of a run."""
+    folder.parameters.write_text(to_parameter_file(values), encoding="utf-8")
