@@ -1,0 +1,36 @@
+# make help lists the targets. Choose another Python with: make PYTHON=python3.12 setup
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test lint bench lock clean distclean
+
+VENV := .venv/bin
+SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
+
+setup: ## install what is needed into .venv and build the packages into install/; skipped if nothing changed
+	@$(SETUP) setup
+
+demo: setup ## set up, sail Run A, leave runs/run_a/bag and runs/run_a/report.html
+	$(VENV)/dp up --scenario run_a --lockstep --record --report
+
+test: setup ## set up and run all tests
+	$(VENV)/python -m pytest tests
+
+lint: setup ## ruff and mypy
+	$(VENV)/ruff check .
+	$(VENV)/ruff format --check .
+	$(VENV)/mypy
+
+bench: ## measure against the aims and peers; writes benchmarks/results.json
+	@$(SETUP) setup --bench
+	$(VENV)/python -m benchmarks
+
+lock: ## resolve the dependencies in pyproject.toml anew and write locks/
+	@$(SETUP) lock
+
+clean: ## remove what the build and the tools made
+	@$(SETUP) clean
+
+distclean: ## also remove .venv and the download cache
+	@$(SETUP) distclean

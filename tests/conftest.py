@@ -1,0 +1,29 @@
+"""Fixtures that every test may use."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from support.domains import reserve_domain_id
+
+KINDS = ("unit", "node", "system")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Marks each test by the folder it is in."""
+    here = Path(__file__).parent
+    for item in items:
+        if here in item.path.parents:
+            kind = item.path.relative_to(here).parts[0]
+            if kind in KINDS:
+                item.add_marker(kind)
+
+
+@pytest.fixture
+def ros_domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """A ROS domain that is this test's own on this machine; set in ROS_DOMAIN_ID, so that nodes and child processes are in it."""
+    with reserve_domain_id() as domain_id:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(domain_id))
+        monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        yield domain_id
