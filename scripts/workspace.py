@@ -96,9 +96,8 @@ def check_network(index: str, open_url: Callable[[str], Any]) -> None:
         if "CERTIFICATE" in str(error).upper():
             return
         raise SetupError(
-            "no connection to the package index {}; connect to a network (or set HTTPS_PROXY or PIP_INDEX_URL) and run the same command again".format(
-                index
-            )
+            "no connection to the package index {}; connect to a network (or set HTTPS_PROXY or PIP_INDEX_URL) "
+            "and run the same command again".format(index)
         ) from error
 
 
@@ -365,7 +364,7 @@ class Workspace:
             self._install_start_files()
 
     def _follow_pip_settings(self) -> None:
-        """uv does not read pip's configuration: hand on a package index or certificate that is set there."""
+        """Hands pip's package index and certificate on to uv, which does not read pip's configuration."""
         listed = self._output([str(self.venv_python), "-I", "-m", "pip", "config", "list"])
         settings = dict(
             (name.rsplit(".", 1)[1], value.strip("'\""))

@@ -51,10 +51,18 @@ def workspace_variables(root: str, prefix: str, environ: Mapping[str, str]) -> D
         "ROS_LOG_DIR": os.path.join(root, "log", "ros"),
         "MPLCONFIGDIR": os.path.join(root, ".cache", "matplotlib"),
     }
-    for name, value in defaults.items():
-        if not environ.get(name):
-            variables[name] = value
+    variables.update((name, value) for name, value in defaults.items() if not environ.get(name))
     return variables
+
+
+def linked_folders(packages: str) -> List[str]:
+    """The source folders that `colcon build --symlink-install` linked into `packages`: it leaves a file <name>.egg-link for each."""
+    folders = []
+    for name in sorted(os.listdir(packages)) if os.path.isdir(packages) else []:
+        if name.endswith(".egg-link"):
+            with open(os.path.join(packages, name), encoding="utf-8") as link:
+                folders.append(link.readline().strip())
+    return folders
 
 
 def needs_restart(before: Mapping[str, str], after: Mapping[str, str], pid: int) -> bool:
@@ -74,7 +82,9 @@ def activate() -> None:
     if needs_restart(before, os.environ, os.getpid()):
         os.environ[_RESTARTED_PID] = str(os.getpid())
         os.execve(sys.executable, [sys.executable] + sys.orig_argv[1:], os.environ)
-    site.addsitedir(_site_packages(os.path.join(root, "install")))
+    packages = _site_packages(os.path.join(root, "install"))
+    site.addsitedir(packages)
+    sys.path.extend(folder for folder in linked_folders(packages) if folder not in sys.path)
 
 
 activate()
