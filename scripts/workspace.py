@@ -47,15 +47,19 @@ def check_platform(system: str, machine: str, libc: str) -> None:
     if system != "Linux" or machine not in ("x86_64", "amd64", "AMD64"):
         raise SetupError(
             "the ROS 2 Jazzy wheels on PyPI are for x86-64 Linux, this machine is {} {}; use such a machine, "
-            "or install ROS 2 Jazzy and run `colcon build`".format(machine or "an unknown CPU", system or "(unknown system)")
+            "or install ROS 2 Jazzy and run `colcon build`".format(
+                machine or "an unknown CPU", system or "(unknown system)"
+            )
         )
     if libc != "glibc":
         raise SetupError(
-            "the ROS 2 Jazzy wheels on PyPI need glibc, this Linux has {}; use e.g. Debian or Ubuntu".format(libc or "another libc")
+            "the ROS 2 Jazzy wheels on PyPI need glibc, this Linux has {}; use e.g. Debian or Ubuntu".format(
+                libc or "another libc"
+            )
         )
 
 
-def check_python(implementation: str, version: Sequence[int]) -> None:
+def check_python(implementation: str, version: Tuple[int, ...]) -> None:
     if implementation != "cpython" or not OLDEST_PYTHON <= tuple(version[:2]) <= NEWEST_PYTHON:
         raise SetupError(
             "needs CPython 3.11 or 3.12, this is {} {}; install one and name it: make PYTHON=/path/to/python3.12 setup".format(
@@ -64,26 +68,43 @@ def check_python(implementation: str, version: Sequence[int]) -> None:
         )
 
 
-def check_python_is_complete(version: Sequence[int], has_module: Callable[[str], bool], include: Path) -> None:
+def check_python_is_complete(
+    version: Tuple[int, ...], has_module: Callable[[str], bool], include: Path
+) -> None:
     """Distributions split Python up: the modules that make a virtual environment and the C headers may be missing."""
     name = "python{}.{}".format(*version[:2])
     missing = ["{}-venv".format(name)] if not (has_module("venv") and has_module("ensurepip")) else []
     if not (include / "Python.h").is_file():
         missing.append("{}-dev".format(name))
     if missing:
-        raise SetupError("this Python lacks parts that set-up needs; install them, e.g. apt-get install {}".format(" ".join(missing)))
+        raise SetupError(
+            "this Python lacks parts that set-up needs; install them, e.g. apt-get install {}".format(
+                " ".join(missing)
+            )
+        )
 
 
 def check_compilers(environ: Mapping[str, str], run: Callable[[List[str], str], bool]) -> None:
     """The message package is compiled: both compilers must be there and find their standard headers."""
     missing = []
-    for variable, default, language, header in (("CC", "cc gcc clang", "c", "stdio.h"), ("CXX", "c++ g++ clang++", "c++", "vector")):
-        commands = [shlex.split(environ[variable])] if environ.get(variable) else [[name] for name in default.split()]
+    for variable, default, language, header in (
+        ("CC", "cc gcc clang", "c", "stdio.h"),
+        ("CXX", "c++ g++ clang++", "c++", "vector"),
+    ):
+        commands = (
+            [shlex.split(environ[variable])]
+            if environ.get(variable)
+            else [[name] for name in default.split()]
+        )
         source = "#include <{}>\n".format(header)
         if not any(run(command + ["-x", language, "-fsyntax-only", "-"], source) for command in commands):
             missing.append("C" if language == "c" else "C++")
     if missing:
-        raise SetupError("no working {} compiler; install one, e.g. apt-get install gcc g++".format(" and no working ".join(missing)))
+        raise SetupError(
+            "no working {} compiler; install one, e.g. apt-get install gcc g++".format(
+                " and no working ".join(missing)
+            )
+        )
 
 
 def check_network(index: str, open_url: Callable[[str], Any]) -> None:
@@ -125,7 +146,9 @@ def environment_key(root: Path, python: str) -> str:
 
 def bench_key(root: Path, environment: str) -> str:
     """Changes when the benchmarks' own packages have to be installed."""
-    return _digest([("environment", environment.encode()), ("bench", (root / "locks" / "bench.txt").read_bytes())])
+    return _digest(
+        [("environment", environment.encode()), ("bench", (root / "locks" / "bench.txt").read_bytes())]
+    )
 
 
 def find_packages(root: Path) -> List[Path]:
@@ -141,12 +164,18 @@ def _package_parts(root: Path, package: Path) -> Iterator[Tuple[str, bytes]]:
     build files and interface definitions count with their content.
     """
     for folder, folders, names in os.walk(str(package)):
-        folders[:] = sorted(name for name in folders if name != "__pycache__" and not name.endswith(".egg-info"))
+        folders[:] = sorted(
+            name for name in folders if name != "__pycache__" and not name.endswith(".egg-info")
+        )
         here = Path(folder)
         in_module = package / package.name in (here, *here.parents)
         for name in sorted(names):
             file = here / name
-            built = name in ("package.xml", "setup.py", "setup.cfg", "CMakeLists.txt") or file.suffix in (".msg", ".srv", ".action")
+            built = name in ("package.xml", "setup.py", "setup.cfg", "CMakeLists.txt") or file.suffix in (
+                ".msg",
+                ".srv",
+                ".action",
+            )
             if built:
                 yield str(file.relative_to(root)), file.read_bytes()
             elif not (in_module and file.suffix in (".py", ".pyi", ".pyc")):
@@ -248,7 +277,11 @@ class Workspace:
         cleaned = {name: value for name, value in environ.items() if not name.startswith(foreign)}
         prefixes = environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
         for name in ("LD_LIBRARY_PATH", "PATH"):
-            kept = [e for e in cleaned.get(name, "").split(os.pathsep) if e and not any(p and e.startswith(p + os.sep) for p in prefixes)]
+            kept = [
+                e
+                for e in cleaned.get(name, "").split(os.pathsep)
+                if e and not any(p and e.startswith(p + os.sep) for p in prefixes)
+            ]
             cleaned[name] = os.pathsep.join(kept)
         cleaned["PATH"] = os.pathsep.join([str(self.venv / "bin"), cleaned["PATH"]])
         cleaned.update(
@@ -257,6 +290,8 @@ class Workspace:
                 "AMENT_PREFIX_PATH": str(self.venv),
                 "CMAKE_PREFIX_PATH": str(self.venv),
                 "CMAKE_GENERATOR": "Ninja",
+                # Says nothing to Ninja; keeps colcon from passing a load limit, which on a busy machine means one job at a time.
+                "MAKEFLAGS": "-j{}".format(os.cpu_count() or 1),
                 "COLCON_HOME": str(self.cache / "colcon"),
                 "COLCON_LOG_PATH": str(self.root / "log"),
                 "PIP_DISABLE_PIP_VERSION_CHECK": "1",
@@ -281,7 +316,9 @@ class Workspace:
         environment = environment_key(self.root, python)
         build = build_key(self.root, environment)
         extra = bench_key(self.root, environment)
-        needs_environment = read_stamp(environment_stamp).get("key") != environment or not self.venv_python.exists()
+        needs_environment = (
+            read_stamp(environment_stamp).get("key") != environment or not self.venv_python.exists()
+        )
         needs_bench = bench and (needs_environment or read_stamp(bench_stamp).get("key") != extra)
         needs_build = needs_environment or read_stamp(build_stamp).get("key") != build
         if not (needs_environment or needs_bench or needs_build):
@@ -313,7 +350,9 @@ class Workspace:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:
-                raise SetupError("another set-up is running in this checkout; wait for it to end and run the same command again") from None
+                raise SetupError(
+                    "another set-up is running in this checkout; wait for it to end and run the same command again"
+                ) from None
             self.log.write_text("", encoding="utf-8")
             yield
 
@@ -334,7 +373,9 @@ class Workspace:
         with self._step("virtual environment .venv, Python {}".format(python.split()[0])):
             if self.venv.exists():
                 shutil.rmtree(str(self.venv))
-            self._run([sys.executable, "-m", "venv", str(self.venv)], "could not make the virtual environment .venv")
+            self._run(
+                [sys.executable, "-m", "venv", str(self.venv)], "could not make the virtual environment .venv"
+            )
 
     def _install_packages(self) -> None:
         lock_file = self.root / "locks" / "workspace.txt"
@@ -342,7 +383,16 @@ class Workspace:
         with self._step("installer uv"):
             requirement = self.cache / "uv-requirement.txt"
             requirement.write_text(locked_requirement(lock, "uv"), encoding="utf-8")
-            pip = [str(self.venv_python), "-I", "-m", "pip", "install", "--quiet", "--no-cache-dir", "--require-hashes"]
+            pip = [
+                str(self.venv_python),
+                "-I",
+                "-m",
+                "pip",
+                "install",
+                "--quiet",
+                "--no-cache-dir",
+                "--require-hashes",
+            ]
             self._run([*pip, "-r", str(requirement)], INSTALL_FAILED)
         with self._step("{} pinned packages, ROS 2 among them (about 300 MB)".format(count_locked(lock))):
             self._uv_install(lock_file)
@@ -359,7 +409,9 @@ class Workspace:
 
     def _fit_packages(self) -> None:
         with self._step("ROS 2 wheels fitted to this machine"):
-            numpy_include = self._output([str(self.venv_python), "-I", "-c", "import numpy; print(numpy.get_include())"])
+            numpy_include = self._output(
+                [str(self.venv_python), "-I", "-c", "import numpy; print(numpy.get_include())"]
+            )
             patch_cmake_files(self.venv / "share", sysconfig.get_path("include"), numpy_include)
             self._install_start_files()
 
@@ -371,7 +423,10 @@ class Workspace:
             for name, separator, value in (line.partition("=") for line in listed.splitlines())
             if separator and "." in name
         )
-        for setting, variable, others in (("index-url", "UV_DEFAULT_INDEX", ("UV_INDEX_URL",)), ("cert", "SSL_CERT_FILE", ())):
+        for setting, variable, others in (
+            ("index-url", "UV_DEFAULT_INDEX", ("UV_INDEX_URL",)),
+            ("cert", "SSL_CERT_FILE", ()),
+        ):
             if settings.get(setting) and not any(self.environ.get(name) for name in (variable, *others)):
                 self.environ[variable] = settings[setting]
 
@@ -384,7 +439,10 @@ class Workspace:
         launcher = self.venv / "bin" / "dp"
         installed = self.root / "install" / "lib" / "dp_tools" / "dp"
         launcher.write_text(
-            '#!/bin/sh\nexec {} {} "$@"\n'.format(shlex.quote(str(self.venv_python)), shlex.quote(str(installed))), encoding="utf-8"
+            '#!/bin/sh\nexec {} {} "$@"\n'.format(
+                shlex.quote(str(self.venv_python)), shlex.quote(str(installed))
+            ),
+            encoding="utf-8",
         )
         launcher.chmod(0o755)
 
@@ -402,9 +460,20 @@ class Workspace:
             with contextlib.suppress(FileNotFoundError):
                 build_stamp.unlink()
             colcon = [str(self.venv_python), "-m", "colcon", "build", "--merge-install", "--symlink-install"]
-            handlers = ["--event-handlers", "console_direct-", "console_cohesion-", "desktop_notification-", "status-", "terminal_title-"]
+            handlers = [
+                "--event-handlers",
+                "console_direct-",
+                "console_cohesion-",
+                "desktop_notification-",
+                "status-",
+                "terminal_title-",
+            ]
             base = ["--base-paths", *(str(package.relative_to(self.root)) for package in packages)]
-            self._run([*colcon, *handlers, *base], "the build failed", show=re.compile(r"^(Finished|Failed) +<<< .*"))
+            self._run(
+                [*colcon, *handlers, *base],
+                "the build failed",
+                show=re.compile(r"^(Finished|Failed) +<<< .*"),
+            )
             write_stamp(build_stamp, {"key": build, "environment": environment, "packages": names})
 
     def lock(self) -> None:
@@ -419,7 +488,14 @@ class Workspace:
             "--custom-compile-command",
             "make lock",
         ]
-        everywhere = ["--universal", "--python-version", "3.11", "--fork-strategy", "fewest", "--generate-hashes"]
+        everywhere = [
+            "--universal",
+            "--python-version",
+            "3.11",
+            "--fork-strategy",
+            "fewest",
+            "--generate-hashes",
+        ]
         groups = [word for group in LOCKED_GROUPS for word in ("--group", group)]
         failed = "could not resolve the dependencies"
         (self.root / "locks").mkdir(exist_ok=True)
@@ -427,7 +503,17 @@ class Workspace:
         self.log.parent.mkdir(exist_ok=True)
         self._run([*compile_, *everywhere, *groups, "--output-file", "locks/workspace.txt"], failed)
         self._run(
-            [*compile_, *everywhere, "--group", "bench", "--constraint", "locks/workspace.txt", "--output-file", "locks/bench.txt"], failed
+            [
+                *compile_,
+                *everywhere,
+                "--group",
+                "bench",
+                "--constraint",
+                "locks/workspace.txt",
+                "--output-file",
+                "locks/bench.txt",
+            ],
+            failed,
         )
         # A ROS 2 Jazzy installation on Ubuntu 24.04 is compiled against its numpy 1.26: nothing newer may stand before it.
         constraint = self.cache / "ros-machine-constraint.txt"
@@ -484,16 +570,25 @@ class Workspace:
 
     def _output(self, command: List[str]) -> str:
         done = subprocess.run(
-            command, cwd=str(self.root), env=self.environ, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, encoding="utf-8"
+            command,
+            cwd=str(self.root),
+            env=self.environ,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            encoding="utf-8",
         )
         if done.returncode:
-            raise SetupError("{} failed; remove .venv and run the same command again".format(" ".join(command[:5])))
+            raise SetupError(
+                "{} failed; remove .venv and run the same command again".format(" ".join(command[:5]))
+            )
         return done.stdout.strip()
 
 
 def _compiles(command: List[str], source: str) -> bool:
     try:
-        done = subprocess.run(command, input=source.encode(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        done = subprocess.run(
+            command, input=source.encode(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
     except OSError:
         return False
     return done.returncode == 0
@@ -508,7 +603,12 @@ def _open_url(url: str) -> None:
 def preflight() -> None:
     """All checks of this machine, cheapest first."""
     check_compilers(os.environ, _compiles)
-    index = os.environ.get("UV_DEFAULT_INDEX") or os.environ.get("UV_INDEX_URL") or os.environ.get("PIP_INDEX_URL") or DEFAULT_INDEX
+    index = (
+        os.environ.get("UV_DEFAULT_INDEX")
+        or os.environ.get("UV_INDEX_URL")
+        or os.environ.get("PIP_INDEX_URL")
+        or DEFAULT_INDEX
+    )
     check_network(index, _open_url)
 
 
@@ -524,9 +624,11 @@ def main(arguments: Sequence[str]) -> int:
             workspace.clean(everything=chosen.command == "distclean")
             return 0
         check_platform(platform.system(), platform.machine(), platform.libc_ver()[0])
-        check_python(sys.implementation.name, sys.version_info)
+        check_python(sys.implementation.name, sys.version_info[:3])
         check_python_is_complete(
-            sys.version_info, lambda name: importlib.util.find_spec(name) is not None, Path(sysconfig.get_path("include"))
+            sys.version_info,
+            lambda name: importlib.util.find_spec(name) is not None,
+            Path(sysconfig.get_path("include")),
         )
         if workspace.set_up(chosen.bench, preflight):
             print("Set up in {:.0f} s.".format(time.monotonic() - start))

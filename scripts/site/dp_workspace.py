@@ -32,8 +32,12 @@ def _in_front(wanted: List[str], present: str) -> str:
 
 def _library_folders(prefix: str, install: str) -> List[str]:
     packages = _site_packages(prefix)
-    bundled = sorted(name for name in os.listdir(packages) if name.startswith("ros_") and name.endswith(".libs"))
-    return [os.path.join(install, "lib"), os.path.join(prefix, "lib")] + [os.path.join(packages, name) for name in bundled]
+    bundled = sorted(
+        name for name in os.listdir(packages) if name.startswith("ros_") and name.endswith(".libs")
+    )
+    return [os.path.join(install, "lib"), os.path.join(prefix, "lib")] + [
+        os.path.join(packages, name) for name in bundled
+    ]
 
 
 def workspace_variables(root: str, prefix: str, environ: Mapping[str, str]) -> Dict[str, str]:

@@ -55,7 +55,9 @@ def test_other_machines_are_named_with_the_way_out(system: str, machine: str, na
 
 
 def test_linux_without_glibc_is_refused() -> None:
-    with pytest.raises(SetupError, match=r"need glibc, this Linux has another libc; use e\.g\. Debian or Ubuntu"):
+    with pytest.raises(
+        SetupError, match=r"need glibc, this Linux has another libc; use e\.g\. Debian or Ubuntu"
+    ):
         workspace.check_platform("Linux", "x86_64", "")
 
 
@@ -127,7 +129,10 @@ def test_compiler_without_its_headers_counts_as_missing(tmp_path: Path) -> None:
         workspace.check_compilers({"CC": str(compiler), "CXX": str(compiler)}, workspace._compiles)
 
 
-@pytest.mark.parametrize("error", [urllib.error.URLError("Name or service not known"), TimeoutError("timed out"), ConnectionRefusedError()])
+@pytest.mark.parametrize(
+    "error",
+    [urllib.error.URLError("Name or service not known"), TimeoutError("timed out"), ConnectionRefusedError()],
+)
 def test_no_network_says_so_and_how_to_go_on(error: Exception) -> None:
     def no_network(url: str) -> None:
         raise error
@@ -213,7 +218,9 @@ def test_only_what_the_build_reads_calls_for_a_build(checkout: Path, file: str, 
     assert (workspace.build_key(checkout, "environment") != before) == rebuilds
 
 
-@pytest.mark.parametrize("file", ["locks/workspace.txt", "scripts/workspace.py", "scripts/site/dp_workspace.py"])
+@pytest.mark.parametrize(
+    "file", ["locks/workspace.txt", "scripts/workspace.py", "scripts/site/dp_workspace.py"]
+)
 def test_a_new_lock_or_tool_calls_for_a_new_environment(checkout: Path, file: str) -> None:
     before = workspace.environment_key(checkout, "3.11.7 /usr/bin/python3.11")
     (checkout / file).write_text("changed")
@@ -293,7 +300,11 @@ def test_bench_packages_come_on_top_and_stay(checkout: Path) -> None:
 
 @pytest.mark.parametrize(
     ("fail_in", "next_time"),
-    [("packages", ["checks", "packages", "fit", "build"]), ("fit", ["checks", "packages", "fit", "build"]), ("build", ["build"])],
+    [
+        ("packages", ["checks", "packages", "fit", "build"]),
+        ("fit", ["checks", "packages", "fit", "build"]),
+        ("build", ["build"]),
+    ],
 )
 def test_set_up_goes_on_after_a_failure(checkout: Path, fail_in: str, next_time: list[str]) -> None:
     assert _stages(checkout, fail_in=fail_in)[-1] == "error"
@@ -362,15 +373,27 @@ def test_cmake_files_get_this_machines_folders(tmp_path: Path) -> None:
     share.mkdir(parents=True)
     linked = share / "export.cmake"
     os.link(wheel, linked)
-    assert workspace.patch_cmake_files(tmp_path / "share", "/usr/include/python3.11", r"/home/a\1/numpy/include") == 1
-    assert linked.read_text() == 'INTERFACE_INCLUDE_DIRECTORIES "/usr/include/python3.11;/home/a\\1/numpy/include"\n'
+    assert (
+        workspace.patch_cmake_files(tmp_path / "share", "/usr/include/python3.11", r"/home/a\1/numpy/include")
+        == 1
+    )
+    assert (
+        linked.read_text()
+        == 'INTERFACE_INCLUDE_DIRECTORIES "/usr/include/python3.11;/home/a\\1/numpy/include"\n'
+    )
     assert "/opt/python" in wheel.read_text(), "the installer's cache is left as it was"
-    assert workspace.patch_cmake_files(tmp_path / "share", "/usr/include/python3.11", r"/home/a\1/numpy/include") == 0
+    assert (
+        workspace.patch_cmake_files(tmp_path / "share", "/usr/include/python3.11", r"/home/a\1/numpy/include")
+        == 0
+    )
 
 
 def test_one_requirement_is_cut_out_of_the_lock() -> None:
     lock = "uvloop==2.0 \\\n    --hash=sha256:00\nuv==1.0 \\\n    --hash=sha256:aa \\\n    --hash=sha256:bb\n    # via group\nwheel==3\n"
-    assert workspace.locked_requirement(lock, "uv") == "uv==1.0 \\\n    --hash=sha256:aa \\\n    --hash=sha256:bb\n    # via group\n"
+    assert (
+        workspace.locked_requirement(lock, "uv")
+        == "uv==1.0 \\\n    --hash=sha256:aa \\\n    --hash=sha256:bb\n    # via group\n"
+    )
     with pytest.raises(SetupError, match="does not name cmake; run `make lock`"):
         workspace.locked_requirement(lock, "cmake")
 
@@ -378,7 +401,9 @@ def test_one_requirement_is_cut_out_of_the_lock() -> None:
 # The choice of a Python (scripts/setup.sh)
 
 
-def _fake_python(folder: Path, name: str, *, fits: bool = True, complete: bool = True, starts: bool = True) -> None:
+def _fake_python(
+    folder: Path, name: str, *, fits: bool = True, complete: bool = True, starts: bool = True
+) -> None:
     """A program that answers the probes like a Python would, and says its name when handed over to."""
     script = f"""#!/bin/sh
 case "$*" in
