@@ -1,6 +1,7 @@
-"""Sets the workspace up: virtual environment, pinned packages, ROS 2 wheels made usable, colcon build. Standard library only.
+"""Sets the workspace up: virtual environment, pinned packages, ROS 2 wheels made usable, colcon build.
 
-Run through scripts/setup.sh, which chooses the Python. Written for Python 3.8 upwards, so that an old Python can say that it is old.
+Run through scripts/setup.sh, which chooses the Python. Standard library only, and written for Python 3.8 upwards, so
+that an old Python can say that it is old.
 
     setup           bring .venv and install/ up to date; does nothing if they are
     setup --bench   the same, with the packages that only `make bench` needs
@@ -62,15 +63,14 @@ def check_platform(system: str, machine: str, libc: str) -> None:
 def check_python(implementation: str, version: Tuple[int, ...]) -> None:
     if implementation != "cpython" or not OLDEST_PYTHON <= tuple(version[:2]) <= NEWEST_PYTHON:
         raise SetupError(
-            "needs CPython 3.11 or 3.12, this is {} {}; install one and name it: make PYTHON=/path/to/python3.12 setup".format(
+            "needs CPython 3.11 or 3.12, this is {} {}; "
+            "install one and name it: make PYTHON=/path/to/python3.12 setup".format(
                 implementation, ".".join(map(str, version[:3]))
             )
         )
 
 
-def check_python_is_complete(
-    version: Tuple[int, ...], has_module: Callable[[str], bool], include: Path
-) -> None:
+def check_python_is_complete(version: Tuple[int, ...], has_module: Callable[[str], bool], include: Path) -> None:
     """Distributions split Python up: the modules that make a virtual environment and the C headers may be missing."""
     name = "python{}.{}".format(*version[:2])
     missing = ["{}-venv".format(name)] if not (has_module("venv") and has_module("ensurepip")) else []
@@ -78,9 +78,7 @@ def check_python_is_complete(
         missing.append("{}-dev".format(name))
     if missing:
         raise SetupError(
-            "this Python lacks parts that set-up needs; install them, e.g. apt-get install {}".format(
-                " ".join(missing)
-            )
+            "this Python lacks parts that set-up needs; install them, e.g. apt-get install {}".format(" ".join(missing))
         )
 
 
@@ -91,19 +89,13 @@ def check_compilers(environ: Mapping[str, str], run: Callable[[List[str], str], 
         ("CC", "cc gcc clang", "c", "stdio.h"),
         ("CXX", "c++ g++ clang++", "c++", "vector"),
     ):
-        commands = (
-            [shlex.split(environ[variable])]
-            if environ.get(variable)
-            else [[name] for name in default.split()]
-        )
+        commands = [shlex.split(environ[variable])] if environ.get(variable) else [[name] for name in default.split()]
         source = "#include <{}>\n".format(header)
         if not any(run(command + ["-x", language, "-fsyntax-only", "-"], source) for command in commands):
             missing.append("C" if language == "c" else "C++")
     if missing:
         raise SetupError(
-            "no working {} compiler; install one, e.g. apt-get install gcc g++".format(
-                " and no working ".join(missing)
-            )
+            "no working {} compiler; install one, e.g. apt-get install gcc g++".format(" and no working ".join(missing))
         )
 
 
@@ -146,9 +138,7 @@ def environment_key(root: Path, python: str) -> str:
 
 def bench_key(root: Path, environment: str) -> str:
     """Changes when the benchmarks' own packages have to be installed."""
-    return _digest(
-        [("environment", environment.encode()), ("bench", (root / "locks" / "bench.txt").read_bytes())]
-    )
+    return _digest([("environment", environment.encode()), ("bench", (root / "locks" / "bench.txt").read_bytes())])
 
 
 def find_packages(root: Path) -> List[Path]:
@@ -160,13 +150,11 @@ def find_packages(root: Path) -> List[Path]:
 def _package_parts(root: Path, package: Path) -> Iterator[Tuple[str, bytes]]:
     """What of a package the build has to be told about.
 
-    Python modules are not: installed packages link to the source. Other files are linked as well, but one by one, so their names count;
-    build files and interface definitions count with their content.
+    Python modules are not: installed packages link to the source. Other files are linked as well, but one by one, so
+    their names count; build files and interface definitions count with their content.
     """
     for folder, folders, names in os.walk(str(package)):
-        folders[:] = sorted(
-            name for name in folders if name != "__pycache__" and not name.endswith(".egg-info")
-        )
+        folders[:] = sorted(name for name in folders if name != "__pycache__" and not name.endswith(".egg-info"))
         here = Path(folder)
         in_module = package / package.name in (here, *here.parents)
         for name in sorted(names):
@@ -261,7 +249,7 @@ class Workspace:
         self.step_count = 0
 
     def _clean_environment(self, environ: Mapping[str, str]) -> Dict[str, str]:
-        """The user's variables without those of another ROS or Python environment, and with every cache inside the checkout."""
+        """The user's variables without those of another ROS or Python, and with every cache inside the checkout."""
         foreign = (
             "AMENT_",
             "COLCON_",
@@ -290,7 +278,8 @@ class Workspace:
                 "AMENT_PREFIX_PATH": str(self.venv),
                 "CMAKE_PREFIX_PATH": str(self.venv),
                 "CMAKE_GENERATOR": "Ninja",
-                # Says nothing to Ninja; keeps colcon from passing a load limit, which on a busy machine means one job at a time.
+                # Says nothing to Ninja; keeps colcon from passing it a load limit, which on a busy machine means one
+                # job at a time.
                 "MAKEFLAGS": "-j{}".format(os.cpu_count() or 1),
                 "COLCON_HOME": str(self.cache / "colcon"),
                 "COLCON_LOG_PATH": str(self.root / "log"),
@@ -316,9 +305,7 @@ class Workspace:
         environment = environment_key(self.root, python)
         build = build_key(self.root, environment)
         extra = bench_key(self.root, environment)
-        needs_environment = (
-            read_stamp(environment_stamp).get("key") != environment or not self.venv_python.exists()
-        )
+        needs_environment = read_stamp(environment_stamp).get("key") != environment or not self.venv_python.exists()
         needs_bench = bench and (needs_environment or read_stamp(bench_stamp).get("key") != extra)
         needs_build = needs_environment or read_stamp(build_stamp).get("key") != build
         if not (needs_environment or needs_bench or needs_build):
@@ -367,15 +354,13 @@ class Workspace:
     def _make_venv(self, python: str) -> None:
         """Makes .venv afresh: an installation that broke off, or of another lock, is not repaired.
 
-        Bringing an old one up to date would be no safer (the ROS wheels carry the metadata of a second distribution each, whose
-        "removal" takes their files along) and hardly faster: what was downloaded is in the cache.
+        Bringing an old one up to date would be no safer (the ROS wheels carry the metadata of a second distribution each,
+        whose "removal" takes their files along) and hardly faster: what was downloaded is in the cache.
         """
         with self._step("virtual environment .venv, Python {}".format(python.split()[0])):
             if self.venv.exists():
                 shutil.rmtree(str(self.venv))
-            self._run(
-                [sys.executable, "-m", "venv", str(self.venv)], "could not make the virtual environment .venv"
-            )
+            self._run([sys.executable, "-m", "venv", str(self.venv)], "could not make the virtual environment .venv")
 
     def _install_packages(self) -> None:
         lock_file = self.root / "locks" / "workspace.txt"
@@ -432,16 +417,14 @@ class Workspace:
 
     def _install_start_files(self) -> None:
         """What makes .venv/bin/python and .venv/bin/dp work from anywhere, unsourced."""
-        # Not asked of the interpreter: without its site module it would name the site-packages of the Python it was made from.
+        # Not asked of the interpreter: without its site module it names the folder of the Python it was made from.
         packages = self.venv / "lib" / "python{}.{}".format(*sys.version_info[:2]) / "site-packages"
         for source in sorted((self.root / "scripts" / "site").glob("dp_workspace.*")):
             shutil.copyfile(str(source), str(packages / source.name))
         launcher = self.venv / "bin" / "dp"
         installed = self.root / "install" / "lib" / "dp_tools" / "dp"
         launcher.write_text(
-            '#!/bin/sh\nexec {} {} "$@"\n'.format(
-                shlex.quote(str(self.venv_python)), shlex.quote(str(installed))
-            ),
+            '#!/bin/sh\nexec {} {} "$@"\n'.format(shlex.quote(str(self.venv_python)), shlex.quote(str(installed))),
             encoding="utf-8",
         )
         launcher.chmod(0o755)
@@ -515,7 +498,7 @@ class Workspace:
             ],
             failed,
         )
-        # A ROS 2 Jazzy installation on Ubuntu 24.04 is compiled against its numpy 1.26: nothing newer may stand before it.
+        # ROS 2 Jazzy on Ubuntu 24.04 is compiled against its numpy 1.26: nothing newer may stand before that.
         constraint = self.cache / "ros-machine-constraint.txt"
         constraint.write_text("numpy==1.26.4\n", encoding="utf-8")
         ros_machine = [
@@ -538,7 +521,7 @@ class Workspace:
     # Other programs
 
     def _run(self, command: List[str], failed: str, show: Optional["re.Pattern[str]"] = None) -> None:
-        """Runs a program, its output to the log; lines that match `show` are also shown. On failure the end of the output is."""
+        """Runs a program, output to the log; shows lines that match `show`, and on failure the end of the output."""
         tail: List[str] = []
         with open(str(self.log), "a", encoding="utf-8") as log:
             log.write("$ {}\n".format(" ".join(map(shlex.quote, command))))
@@ -578,17 +561,13 @@ class Workspace:
             encoding="utf-8",
         )
         if done.returncode:
-            raise SetupError(
-                "{} failed; remove .venv and run the same command again".format(" ".join(command[:5]))
-            )
+            raise SetupError("{} failed; remove .venv and run the same command again".format(" ".join(command[:5])))
         return done.stdout.strip()
 
 
 def _compiles(command: List[str], source: str) -> bool:
     try:
-        done = subprocess.run(
-            command, input=source.encode(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
+        done = subprocess.run(command, input=source.encode(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     except OSError:
         return False
     return done.returncode == 0
@@ -626,7 +605,7 @@ def main(arguments: Sequence[str]) -> int:
         check_platform(platform.system(), platform.machine(), platform.libc_ver()[0])
         check_python(sys.implementation.name, sys.version_info[:3])
         check_python_is_complete(
-            sys.version_info,
+            sys.version_info[:3],
             lambda name: importlib.util.find_spec(name) is not None,
             Path(sysconfig.get_path("include")),
         )

@@ -22,7 +22,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture
 def ros_domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
-    """A ROS domain that is this test's own on this machine; set in ROS_DOMAIN_ID, so that nodes and child processes are in it."""
+    """A ROS domain that is this test's own on this machine; in ROS_DOMAIN_ID, for nodes and child processes."""
     with reserve_domain_id() as domain_id:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain_id))
         monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")

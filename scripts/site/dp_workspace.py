@@ -1,9 +1,10 @@
-"""Makes every start of the workspace's Python ready for ROS 2 and for the built packages, without sourcing a set-up file.
+"""Makes every start of the workspace's Python ready for ROS 2 and the built packages, without sourcing a set-up file.
 
-Set-up copies this module into the site-packages of `.venv` beside `dp_workspace.pth`, which imports it at interpreter start, before
-`ros_wheels_bootstrapper.pth` (the two are read in alphabetical order). It puts the workspace's packages on `sys.path`, gives this
-process and all its children the variables a sourced ROS 2 workspace has, and, where the dynamic loader needs a longer
-LD_LIBRARY_PATH than the process was started with, starts the same command once more: the loader reads that variable only at start.
+Set-up copies this module into the site-packages of `.venv` beside `dp_workspace.pth`, which imports it at interpreter
+start, before `ros_wheels_bootstrapper.pth` (the two are read in alphabetical order). It puts the workspace's packages on
+`sys.path`, gives this process and all its children the variables a sourced ROS 2 workspace has, and, where the dynamic
+loader needs a longer LD_LIBRARY_PATH than the process was started with, starts the same command once more: the loader
+reads that variable only at start.
 """
 
 import os
@@ -11,11 +12,11 @@ import site
 import sys
 from typing import Dict, List, Mapping
 
-# Set by ros_wheels_bootstrapper when it has done its own restart. A child can inherit it from a parent while having lost
+# Set by ros_wheels_bootstrapper when it has done its own restart. A child can inherit it while having lost
 # LD_LIBRARY_PATH (a cleaned environment), so it is set here only together with a path that is known to be right.
 _WHEELS_GUARD = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
-# Holds the process id of the process that has already restarted itself. exec keeps the id and children have another one, so an
-# inherited value never stops a child from repairing its own environment.
+# Holds the process id of the process that has already restarted itself. exec keeps the id and children have another
+# one, so an inherited value never stops a child from repairing its own environment.
 _RESTARTED_PID = "_DP_WORKSPACE_RESTARTED_PID"
 
 
@@ -32,9 +33,7 @@ def _in_front(wanted: List[str], present: str) -> str:
 
 def _library_folders(prefix: str, install: str) -> List[str]:
     packages = _site_packages(prefix)
-    bundled = sorted(
-        name for name in os.listdir(packages) if name.startswith("ros_") and name.endswith(".libs")
-    )
+    bundled = sorted(name for name in os.listdir(packages) if name.startswith("ros_") and name.endswith(".libs"))
     return [os.path.join(install, "lib"), os.path.join(prefix, "lib")] + [
         os.path.join(packages, name) for name in bundled
     ]
@@ -60,7 +59,7 @@ def workspace_variables(root: str, prefix: str, environ: Mapping[str, str]) -> D
 
 
 def linked_folders(packages: str) -> List[str]:
-    """The source folders that `colcon build --symlink-install` linked into `packages`: it leaves a file <name>.egg-link for each."""
+    """The source folders that `colcon build --symlink-install` linked into `packages`, by a file <name>.egg-link each."""
     folders = []
     for name in sorted(os.listdir(packages)) if os.path.isdir(packages) else []:
         if name.endswith(".egg-link"):

@@ -32,8 +32,8 @@ def _is_in_use(domain_id: int) -> bool:
 def reserve_domain_id(candidates: Iterable[int] = DOMAIN_IDS, folder: Path | None = None) -> Iterator[int]:
     """Holds a domain for as long as the context lasts.
 
-    The reservation is a lock on a file in the temporary folder that all users share, so it holds against parallel pytest
-    workers and other pytest runs, and the kernel drops it when a worker dies.
+    The reservation is a lock on a file in the temporary folder that all users share, so it holds against parallel
+    pytest workers and other pytest runs, and the kernel drops it when a worker dies.
     """
     folder = folder or Path(tempfile.gettempdir())
     # In random order, so that a domain just left is seldom taken at once: its last messages may still be on their way.

@@ -55,9 +55,7 @@ def test_other_machines_are_named_with_the_way_out(system: str, machine: str, na
 
 
 def test_linux_without_glibc_is_refused() -> None:
-    with pytest.raises(
-        SetupError, match=r"need glibc, this Linux has another libc; use e\.g\. Debian or Ubuntu"
-    ):
+    with pytest.raises(SetupError, match=r"need glibc, this Linux has another libc; use e\.g\. Debian or Ubuntu"):
         workspace.check_platform("Linux", "x86_64", "")
 
 
@@ -218,9 +216,7 @@ def test_only_what_the_build_reads_calls_for_a_build(checkout: Path, file: str, 
     assert (workspace.build_key(checkout, "environment") != before) == rebuilds
 
 
-@pytest.mark.parametrize(
-    "file", ["locks/workspace.txt", "scripts/workspace.py", "scripts/site/dp_workspace.py"]
-)
+@pytest.mark.parametrize("file", ["locks/workspace.txt", "scripts/workspace.py", "scripts/site/dp_workspace.py"])
 def test_a_new_lock_or_tool_calls_for_a_new_environment(checkout: Path, file: str) -> None:
     before = workspace.environment_key(checkout, "3.11.7 /usr/bin/python3.11")
     (checkout / file).write_text("changed")
@@ -373,23 +369,15 @@ def test_cmake_files_get_this_machines_folders(tmp_path: Path) -> None:
     share.mkdir(parents=True)
     linked = share / "export.cmake"
     os.link(wheel, linked)
-    assert (
-        workspace.patch_cmake_files(tmp_path / "share", "/usr/include/python3.11", r"/home/a\1/numpy/include")
-        == 1
-    )
-    assert (
-        linked.read_text()
-        == 'INTERFACE_INCLUDE_DIRECTORIES "/usr/include/python3.11;/home/a\\1/numpy/include"\n'
-    )
+    assert workspace.patch_cmake_files(tmp_path / "share", "/usr/include/python3.11", r"/home/a\1/numpy/include") == 1
+    assert linked.read_text() == 'INTERFACE_INCLUDE_DIRECTORIES "/usr/include/python3.11;/home/a\\1/numpy/include"\n'
     assert "/opt/python" in wheel.read_text(), "the installer's cache is left as it was"
-    assert (
-        workspace.patch_cmake_files(tmp_path / "share", "/usr/include/python3.11", r"/home/a\1/numpy/include")
-        == 0
-    )
+    assert workspace.patch_cmake_files(tmp_path / "share", "/usr/include/python3.11", r"/home/a\1/numpy/include") == 0
 
 
 def test_one_requirement_is_cut_out_of_the_lock() -> None:
-    lock = "uvloop==2.0 \\\n    --hash=sha256:00\nuv==1.0 \\\n    --hash=sha256:aa \\\n    --hash=sha256:bb\n    # via group\nwheel==3\n"
+    lock = "uvloop==2.0 \\\n    --hash=sha256:00\n"
+    lock += "uv==1.0 \\\n    --hash=sha256:aa \\\n    --hash=sha256:bb\n    # via group\nwheel==3\n"
     assert (
         workspace.locked_requirement(lock, "uv")
         == "uv==1.0 \\\n    --hash=sha256:aa \\\n    --hash=sha256:bb\n    # via group\n"
@@ -401,9 +389,7 @@ def test_one_requirement_is_cut_out_of_the_lock() -> None:
 # The choice of a Python (scripts/setup.sh)
 
 
-def _fake_python(
-    folder: Path, name: str, *, fits: bool = True, complete: bool = True, starts: bool = True
-) -> None:
+def _fake_python(folder: Path, name: str, *, fits: bool = True, complete: bool = True, starts: bool = True) -> None:
     """A program that answers the probes like a Python would, and says its name when handed over to."""
     script = f"""#!/bin/sh
 case "$*" in
