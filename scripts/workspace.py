@@ -354,8 +354,8 @@ class Workspace:
     def _make_venv(self, python: str) -> None:
         """Makes .venv afresh: an installation that broke off, or of another lock, is not repaired.
 
-        Bringing an old one up to date would be no safer (the ROS wheels carry the metadata of a second distribution each,
-        whose "removal" takes their files along) and hardly faster: what was downloaded is in the cache.
+        Bringing an old one up to date would not be safer (each ROS wheel carries the metadata of a second distribution,
+        whose "removal" takes its files along) and hardly faster: what was downloaded is in the cache.
         """
         with self._step("virtual environment .venv, Python {}".format(python.split()[0])):
             if self.venv.exists():

@@ -1,7 +1,7 @@
 """Makes every start of the workspace's Python ready for ROS 2 and the built packages, without sourcing a set-up file.
 
 Set-up copies this module into the site-packages of `.venv` beside `dp_workspace.pth`, which imports it at interpreter
-start, before `ros_wheels_bootstrapper.pth` (the two are read in alphabetical order). It puts the workspace's packages on
+start, before `ros_wheels_bootstrapper.pth` (they are read in alphabetical order). It puts the workspace's packages on
 `sys.path`, gives this process and all its children the variables a sourced ROS 2 workspace has, and, where the dynamic
 loader needs a longer LD_LIBRARY_PATH than the process was started with, starts the same command once more: the loader
 reads that variable only at start.
@@ -59,7 +59,7 @@ def workspace_variables(root: str, prefix: str, environ: Mapping[str, str]) -> D
 
 
 def linked_folders(packages: str) -> List[str]:
-    """The source folders that `colcon build --symlink-install` linked into `packages`, by a file <name>.egg-link each."""
+    """The source folders that `colcon build --symlink-install` linked into `packages` by <name>.egg-link files."""
     folders = []
     for name in sorted(os.listdir(packages)) if os.path.isdir(packages) else []:
         if name.endswith(".egg-link"):

@@ -13,7 +13,7 @@ def wait_until(
 ) -> None:
     """Returns as soon as `condition()` is true; fails with `message` when `timeout` s have passed.
 
-    `spin(seconds)` is what is done meanwhile, at most `seconds` long; e.g. `lambda s: executor.spin_once(timeout_sec=s)`.
+    `spin(seconds)` is done meanwhile, at most `seconds` long; e.g. `lambda s: executor.spin_once(timeout_sec=s)`.
     Without it the processor is yielded. The default timeout is far above what any condition needs on a loaded machine:
     it bounds a failure only.
     """
