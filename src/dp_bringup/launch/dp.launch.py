@@ -3,12 +3,13 @@
 ros2 launch dp_bringup dp.launch.py vessel:=cybership3 params_file:=my_params.yaml simulate:=true namespace:=ship
 """
 
-from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument
 from launch.conditions import IfCondition
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import LifecycleNode
 from launch_ros.substitutions import FindPackageShare
+
+from launch import LaunchDescription
 
 RING = ("dp_observer", "dp_controller", "thrust_allocator", "thruster_drivers")
 
@@ -28,15 +29,15 @@ def _node(package: str, **extra: object) -> LifecycleNode:
 
 def generate_launch_description() -> LaunchDescription:
     """Return the graph; ``simulate:=false`` leaves the simulator out, for a vessel that is there."""
-    default_parameters = PathJoinSubstitution(
-        [FindPackageShare("dp_bringup"), "config", "defaults.yaml"]
-    )
+    default_parameters = PathJoinSubstitution([FindPackageShare("dp_bringup"), "config", "defaults.yaml"])
     return LaunchDescription(
         [
             DeclareLaunchArgument("vessel", default_value="cybership3", description="Name or path of the vessel file"),
             DeclareLaunchArgument("namespace", default_value="", description="Namespace of the whole graph"),
             DeclareLaunchArgument("simulate", default_value="true", description="Run the simulated vessel"),
-            DeclareLaunchArgument("params_file", default_value=default_parameters, description="Parameters of all nodes"),
+            DeclareLaunchArgument(
+                "params_file", default_value=default_parameters, description="Parameters of all nodes"
+            ),
             *(_node(package) for package in RING),
             _node("vessel_sim", condition=IfCondition(LaunchConfiguration("simulate"))),
         ]

@@ -44,19 +44,13 @@ class DpNode(LifecycleNode, Generic[S]):
 
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
-        self.vessel: Vessel = load_vessel(
-            self.structural("vessel", "cybership3", "Name or path of the vessel file")
-        )
-        self.autostart: bool = self.structural(
-            "autostart", True, "Configure and activate without being told to"
-        )
+        self.vessel: Vessel = load_vessel(self.structural("vessel", "cybership3", "Name or path of the vessel file"))
+        self.autostart: bool = self.structural("autostart", True, "Configure and activate without being told to")
         self._refused = 0
         self._last_refusal = ""
         self._refusals_reported = 0
         self._active = False
-        self._parameters_bound = SettingsParameters(
-            self, self.default_settings(self.vessel), self.check, self._apply
-        )
+        self._parameters_bound = SettingsParameters(self, self.default_settings(self.vessel), self.check, self._apply)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", RING_PUBLISHER)
         self.create_timer(_DIAGNOSTICS_PERIOD, self.publish_diagnostics)
 
@@ -106,18 +100,14 @@ class DpNode(LifecycleNode, Generic[S]):
             float: ParameterType.PARAMETER_DOUBLE,
             str: ParameterType.PARAMETER_STRING,
         }
-        descriptor = ParameterDescriptor(
-            name=name, type=kinds[type(default)], description=description, read_only=True
-        )
+        descriptor = ParameterDescriptor(name=name, type=kinds[type(default)], description=description, read_only=True)
         return self.declare_parameter(name, default, descriptor).value
 
     def publish_on(self, kind: Any, topic: str, quality: QoSProfile = RING_PUBLISHER) -> Publisher:
         """Return a publisher that is silent while the node is not active."""
         return self.create_lifecycle_publisher(kind, topic, quality)
 
-    def listen(
-        self, kind: Any, topic: str, callback: Callable[[Any], None], quality: QoSProfile = RING
-    ) -> None:
+    def listen(self, kind: Any, topic: str, callback: Callable[[Any], None], quality: QoSProfile = RING) -> None:
         """Subscribe ``callback``, guarded: it runs while active, and its InputError is reported and counted."""
 
         def guarded(message: Any) -> None:
@@ -175,16 +165,13 @@ class DpNode(LifecycleNode, Generic[S]):
         result = super().on_cleanup(state)
         publishers, subscriptions, timers, services = self._before
         for publisher in set(self.publishers) - publishers:
-            self.destroy_publisher(publisher)
+            self.destroy_lifecycle_publisher(publisher)
         for subscription in set(self.subscriptions) - subscriptions:
             self.destroy_subscription(subscription)
         for timer in set(self.timers) - timers:
             self.destroy_timer(timer)
         for service in set(self.services) - services:
             self.destroy_service(service)
-        self._managed_entities = {
-            entity for entity in self._managed_entities if entity in publishers
-        }
         return result
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -212,8 +199,6 @@ class DpNode(LifecycleNode, Generic[S]):
             self._refusals_reported = self._refused
             own = Health(Level.WARN, f"refused: {self._last_refusal}", own.values)
         core = self.health() if self._built else Health(Level.WARN, label)
-        message = DiagnosticArray(
-            status=[to_status(self.get_fully_qualified_name().lstrip("/"), core.worse_of(own))]
-        )
+        message = DiagnosticArray(status=[to_status(self.get_fully_qualified_name().lstrip("/"), core.worse_of(own))])
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)

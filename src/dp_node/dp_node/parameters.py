@@ -60,9 +60,7 @@ class SettingsParameters(Generic[S]):
         If the values given at start-up (command line, parameter file) are refused; the message says which and why.
     """
 
-    def __init__(
-        self, node: Node, defaults: S, check: Callable[[S], None], apply: Callable[[S], None]
-    ) -> None:
+    def __init__(self, node: Node, defaults: S, check: Callable[[S], None], apply: Callable[[S], None]) -> None:
         self._model = type(defaults)
         self._check = check
         self._apply = apply
@@ -132,9 +130,7 @@ def describe(model: type[Settings], name: str) -> ParameterDescriptor:
     kind, choices = _type(field.annotation)
     if choices:
         text += f" (one of: {', '.join(choices)})"
-    descriptor = ParameterDescriptor(
-        name=name, type=kind, description=text, read_only=bool(extra.get("read_only"))
-    )
+    descriptor = ParameterDescriptor(name=name, type=kind, description=text, read_only=bool(extra.get("read_only")))
     low = next((m.ge for m in field.metadata if hasattr(m, "ge")), None)
     high = next((m.le for m in field.metadata if hasattr(m, "le")), None)
     if low is None and high is None:

@@ -52,8 +52,7 @@ class StampSequence:
             return first
         if now <= self.last:
             raise InputError(
-                f"{self._name}: expected a time stamp after {self.last * 1e-9:.3f} s, "
-                f"found {now * 1e-9:.3f} s"
+                f"{self._name}: expected a time stamp after {self.last * 1e-9:.3f} s, found {now * 1e-9:.3f} s"
             )
         elapsed = seconds_between(self.last, now)
         self.last = now

@@ -20,9 +20,7 @@ def node_factory(package: str) -> Callable[[], DpNode]:  # type: ignore[type-arg
     found = [
         value
         for value in vars(module).values()
-        if isinstance(value, type)
-        and issubclass(value, DpNode)
-        and value.__module__ == module.__name__
+        if isinstance(value, type) and issubclass(value, DpNode) and value.__module__ == module.__name__
     ]
     if len(found) != 1:
         raise DpError(f"{module.__name__}: expected one node class, found {len(found)}")

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from dp_msgs.msg import ControllerStatus
+from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseStamped, WrenchStamped
 from lifecycle_msgs.msg import State
 from lifecycle_msgs.srv import GetState
 from nav_msgs.msg import Path as PathMessage
 
-from dp_msgs.msg import ControllerStatus
-from dp_msgs.srv import Advance
 from dp_node import RING, RING_PUBLISHER, from_nanoseconds, to_nanoseconds
 from dp_tools.clock_reader import ClockReader
 from dp_tools.operator_node import Operator
@@ -24,7 +24,7 @@ _START_SECONDS = 30.0
 _ACKNOWLEDGE_SECONDS = 10.0
 
 
-class ScenarioFailed(DpError):
+class ConductorError(DpError):
     """The graph did not do what the scenario asked; the message says what and why."""
 
 
@@ -54,14 +54,12 @@ class Conductor:
         self._parameters: dict[str, RemoteParameters] = {}
 
     def wait_for_graph(self) -> None:
-        """Wait until every node is active. Raises NoAnswer, naming the one that is not."""
+        """Wait until every node is active. Raises NoAnswerError, naming the one that is not."""
         for name in self._nodes:
             client = self._operator.node.create_client(GetState, f"{name}/get_state")
 
             def active(client: Any = client, name: str = name) -> bool:
-                answer = self._operator.call(
-                    client, GetState.Request(), _START_SECONDS, f"the state of {name}"
-                )
+                answer = self._operator.call(client, GetState.Request(), _START_SECONDS, f"the state of {name}")
                 return bool(answer.current_state.id == State.PRIMARY_STATE_ACTIVE)
 
             self._operator.wait_until(active, _START_SECONDS, f"node {name} to become active")
@@ -72,9 +70,9 @@ class Conductor:
 
         Raises
         ------
-        ScenarioFailed
+        ConductorError
             If a node refuses what an event asks.
-        NoAnswer
+        NoAnswerError
             If a node does not answer.
         """
         clock = ClockReader()
@@ -104,7 +102,7 @@ class Conductor:
         self._operator.wait_until(done, None, "the simulator")
         answer = future.result()
         if not answer.success:
-            raise ScenarioFailed(f"at {clock.time():.1f} s: vessel_sim: {answer.message}")
+            raise ConductorError(f"at {clock.time():.1f} s: vessel_sim: {answer.message}")
 
     def _perform(self, event: Event) -> None:
         for node, values in event.parameters.items():
@@ -129,13 +127,10 @@ class Conductor:
         """Publish an operator input, and wait until the controller says that it has it."""
         node = self._operator.node
         # Only listened to while an acknowledgement is awaited: a conductor must not slow the ring down.
-        subscription = node.create_subscription(
-            ControllerStatus, "controller_status", self._note_status, RING
-        )
+        subscription = node.create_subscription(ControllerStatus, "controller_status", self._note_status, RING)
         try:
             self._operator.wait_until(
-                lambda: publisher.get_subscription_count() > 0
-                and subscription.get_publisher_count() > 0,
+                lambda: publisher.get_subscription_count() > 0 and subscription.get_publisher_count() > 0,
                 _START_SECONDS,
                 f"dp_controller to listen for a {kind}",
             )
@@ -145,14 +140,12 @@ class Conductor:
             def confirmed() -> bool:
                 for answer in self._answers:
                     if answer.message.startswith("refused"):
-                        raise ScenarioFailed(f"{kind} at {stamp * 1e-9:.1f} s: {answer.message}")
+                        raise ConductorError(f"{kind} at {stamp * 1e-9:.1f} s: {answer.message}")
                     if to_nanoseconds(getattr(answer, f"{kind}_stamp")) == stamp:
                         return True
                 return False
 
-            self._operator.wait_until(
-                confirmed, _ACKNOWLEDGE_SECONDS, f"dp_controller to accept the {kind}"
-            )
+            self._operator.wait_until(confirmed, _ACKNOWLEDGE_SECONDS, f"dp_controller to accept the {kind}")
         finally:
             node.destroy_subscription(subscription)
 

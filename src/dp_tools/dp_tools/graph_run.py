@@ -18,7 +18,7 @@ _RECORDER = "recorder"
 _RECORDER_SECONDS = 20.0
 
 
-class StoppedBadly(DpError):
+class UncleanStopError(DpError):
     """The run went through, but a process did not end cleanly; the message says which."""
 
 
@@ -86,7 +86,7 @@ class GraphRun:
             problems += children.stop(nodes)
             problems += children.stop()
         if problems:
-            raise StoppedBadly("\n".join(problems))
+            raise UncleanStopError("\n".join(problems))
 
     def _conduct(self, one: Operator, say: Callable[[str], None], progress: Callable[[float], None]) -> None:
         nodes = (*RING_PACKAGES, SIMULATOR_PACKAGE)

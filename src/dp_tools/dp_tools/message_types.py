@@ -8,7 +8,7 @@ from typing import Any
 from marine_model.errors import DpError
 
 
-class UnknownMessageType(DpError):
+class MessageTypeError(DpError):
     """A message type is not installed here."""
 
 
@@ -17,7 +17,7 @@ def message_class(kind: str) -> Any:
 
     Raises
     ------
-    UnknownMessageType
+    MessageTypeError
         If there is no such message on this machine.
     """
     parts = kind.split("/")
@@ -25,4 +25,4 @@ def message_class(kind: str) -> Any:
         package, group, name = parts
         return getattr(importlib.import_module(f"{package}.{group}"), name)
     except (ValueError, ImportError, AttributeError) as error:
-        raise UnknownMessageType(f"message type {kind}: not installed on this machine") from error
+        raise MessageTypeError(f"message type {kind}: not installed on this machine") from error

@@ -16,11 +16,10 @@ from rclpy.task import Future
 from dp_node import RingExecutor
 from marine_model.errors import DpError
 
-
 T = TypeVar("T")
 
 
-class NoAnswer(DpError):
+class NoAnswerError(DpError):
     """A node or service did not answer within its time."""
 
 
@@ -46,18 +45,18 @@ class Operator:
 
         Raises
         ------
-        NoAnswer
+        NoAnswerError
             If it does not hold within ``seconds`` (None: no limit); the text names ``what`` was waited for.
         """
         deadline = None if seconds is None else time.monotonic() + seconds
         while not condition():
             self.watch()
             if deadline is not None and time.monotonic() > deadline:
-                raise NoAnswer(f"waited {seconds:g} s for {what}")
+                raise NoAnswerError(f"waited {seconds:g} s for {what}")
             self.executor.spin_once(timeout_sec=0.05)
 
     def settled(self, observe: Callable[[], T], quiet: float = 0.3, seconds: float = 3.0) -> T:
-        """Spin until ``observe`` has returned the same for ``quiet`` s, at most ``seconds``: discovery takes a moment."""
+        """Spin until ``observe`` has returned the same for ``quiet`` s, at most ``seconds``: discovery takes time."""
         deadline = time.monotonic() + seconds
         seen, since = observe(), time.monotonic()
         while time.monotonic() < min(deadline, since + quiet):
@@ -68,10 +67,8 @@ class Operator:
         return seen
 
     def call(self, client: Any, request: Any, seconds: float | None, what: str) -> Any:
-        """Call a service and return its response. Raises NoAnswer."""
-        self.wait_until(
-            client.service_is_ready, 5.0 if seconds is None else seconds, f"service {client.srv_name}"
-        )
+        """Call a service and return its response. Raises NoAnswerError."""
+        self.wait_until(client.service_is_ready, 5.0 if seconds is None else seconds, f"service {client.srv_name}")
         future: Future = client.call_async(request)
         self.wait_until(future.done, seconds, what)
         return future.result()

@@ -17,15 +17,15 @@ from rcl_interfaces.srv import (
 )
 from rclpy.parameter import Parameter, parameter_value_to_python
 
-from dp_tools.operator_node import NoAnswer, Operator
-from marine_model.errors import DpError, DocumentError
+from dp_tools.operator_node import NoAnswerError, Operator
+from marine_model.errors import DocumentError, DpError
 from marine_model.yaml_document import read_yaml
 
 _SECONDS = 5.0
 _HIDDEN = frozenset({"start_type_description_service"})
 
 
-class ParameterRefused(DpError):
+class ParameterRefusedError(DpError):
     """A node refused a change of parameters; the message carries the node's reason."""
 
 
@@ -57,8 +57,8 @@ class RemoteParameters:
     def _call(self, client: Any, request: Any) -> Any:
         try:
             return self._operator.call(client, request, _SECONDS, f"an answer of node {self.name}")
-        except NoAnswer as error:
-            raise NoAnswer(f"node {self.name}: {error}; is it running? (dp topics shows the graph)") from error
+        except NoAnswerError as error:
+            raise NoAnswerError(f"node {self.name}: {error}; is it running? (dp topics shows the graph)") from error
 
     def names(self) -> list[str]:
         """Return the names of all parameters, sorted."""
@@ -66,24 +66,23 @@ class RemoteParameters:
         return sorted(set(found) - _HIDDEN)
 
     def describe(self, names: list[str]) -> dict[str, ParameterDescriptor]:
-        """Return descriptors by name. Raises ParameterRefused for an unknown name."""
+        """Return descriptors by name. Raises ParameterRefusedError for an unknown name."""
         unknown = sorted(set(names) - set(self.names()))
         if unknown:
-            raise ParameterRefused(
+            raise ParameterRefusedError(
                 f"node {self.name}: no parameter {', '.join(unknown)}; known: {', '.join(self.names())}"
             )
         answer = self._call(self._describe, DescribeParameters.Request(names=names))
         return {descriptor.name: descriptor for descriptor in answer.descriptors}
 
     def get(self, names: list[str] | None = None) -> dict[str, Any]:
-        """Return values by name (default: all). Raises ParameterRefused for an unknown name."""
+        """Return values by name (default: all). Raises ParameterRefusedError for an unknown name."""
         wanted = self.names() if names is None else names
         if names is not None:
             self.describe(names)
         answer = self._call(self._get, GetParameters.Request(names=wanted))
         return {
-            name: _plain(parameter_value_to_python(value))
-            for name, value in zip(wanted, answer.values, strict=True)
+            name: _plain(parameter_value_to_python(value)) for name, value in zip(wanted, answer.values, strict=True)
         }
 
     def set(self, values: Mapping[str, Any]) -> None:
@@ -94,7 +93,7 @@ class RemoteParameters:
 
         Raises
         ------
-        ParameterRefused
+        ParameterRefusedError
             With the node's reason; nothing was changed.
         """
         descriptors = self.describe(list(values))
@@ -104,7 +103,7 @@ class RemoteParameters:
         ]
         result = self._call(self._set, SetParametersAtomically.Request(parameters=parameters)).result
         if not result.successful:
-            raise ParameterRefused(f"node {self.name}: {result.reason}")
+            raise ParameterRefusedError(f"node {self.name}: {result.reason}")
 
     def set_changeable(self, values: Mapping[str, Any]) -> list[str]:
         """Set what can change while running; read-only ones must agree already. Return the names set."""
@@ -113,7 +112,7 @@ class RemoteParameters:
         present = self.get(sorted(fixed)) if fixed else {}
         differing = [name for name in sorted(fixed) if present[name] != values[name]]
         if differing:
-            raise ParameterRefused(
+            raise ParameterRefusedError(
                 f"node {self.name}: read-only while running: "
                 + ", ".join(f"{name} is {present[name]!r}, not {values[name]!r}" for name in differing)
             )

@@ -18,7 +18,7 @@ _STOP_SECONDS = 5.0
 _TAIL_LINES = 8
 
 
-class ChildDied(DpError):
+class ChildDiedError(DpError):
     """A process of the graph ended by itself; the message names it, its exit code and its last words."""
 
 
@@ -41,7 +41,7 @@ class Child:
         self._log = log_file.open("w", encoding="utf-8")
         stream = self._process.stdout
         if stream is None:
-            raise ChildDied(f"{name}: no output pipe")
+            raise ChildDiedError(f"{name}: no output pipe")
         self._reader = threading.Thread(target=self._read, args=(stream,), daemon=True)
         self._reader.start()
 
@@ -116,11 +116,11 @@ class Children:
         return tuple(child for child in self._children if child.exit_code is None)
 
     def check(self) -> None:
-        """Raise ChildDied if a process has ended by itself."""
+        """Raise ChildDiedError if a process has ended by itself."""
         for child in self._children:
             code = child.exit_code
             if code is not None:
-                raise ChildDied(f"{child.name} ended by itself ({explain_exit(code)}):\n{child.last_words()}")
+                raise ChildDiedError(f"{child.name} ended by itself ({explain_exit(code)}):\n{child.last_words()}")
 
     def stop(self, children: Sequence[Child] | None = None) -> list[str]:
         """Stop ``children`` (default: all): SIGINT, then SIGTERM, then SIGKILL; return what went wrong."""

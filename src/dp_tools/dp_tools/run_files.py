@@ -13,7 +13,7 @@ from dp_tools.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
 from marine_model.errors import DpError
 
 
-class FolderRefused(DpError):
+class FolderError(DpError):
     """A run folder cannot be used."""
 
 
@@ -43,21 +43,19 @@ class RunFolder:
 
         Raises
         ------
-        FolderRefused
+        FolderError
             If it cannot be written, or holds a recording and ``overwrite`` is false.
         """
         if self.bag.exists():
             if not overwrite:
-                raise FolderRefused(
-                    f"{self.bag}: holds a recording; choose another --output, or --overwrite it"
-                )
+                raise FolderError(f"{self.bag}: holds a recording; choose another --output, or --overwrite it")
             shutil.rmtree(self.bag)
         try:
             self.logs.mkdir(parents=True, exist_ok=True)
             (self.path / ".writable").touch()
             (self.path / ".writable").unlink()
         except OSError as error:
-            raise FolderRefused(f"{self.path}: cannot be written: {error.strerror}") from error
+            raise FolderError(f"{self.path}: cannot be written: {error.strerror}") from error
 
 
 @dataclass(frozen=True)
@@ -68,13 +66,9 @@ class Pace:
     rate: float
 
 
-def start_parameters(
-    vessel: str, scenario: Scenario | None, pace: Pace, hold: bool
-) -> dict[str, dict[str, Any]]:
+def start_parameters(vessel: str, scenario: Scenario | None, pace: Pace, hold: bool) -> dict[str, dict[str, Any]]:
     """Return parameters by node: vessel, pace, and what the scenario says."""
-    values: dict[str, dict[str, Any]] = {
-        package: {"vessel": vessel} for package in (*RING_PACKAGES, SIMULATOR_PACKAGE)
-    }
+    values: dict[str, dict[str, Any]] = {package: {"vessel": vessel} for package in (*RING_PACKAGES, SIMULATOR_PACKAGE)}
     values["dp_observer"]["synchronous"] = pace.lockstep
     values["dp_controller"]["synchronous"] = pace.lockstep
     values[SIMULATOR_PACKAGE] |= {"lockstep": pace.lockstep, "rate": float(pace.rate), "hold": hold}

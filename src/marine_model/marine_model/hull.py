@@ -37,9 +37,7 @@ class Manoeuvring(Section):
     def _physical(self) -> Self:
         total = np.array(self.rigid_body_mass) + np.array(self.added_mass)
         if not np.allclose(total, total.T, atol=1e-12):
-            raise ValueError(
-                f"rigid_body_mass + added_mass must be symmetric, found {total.tolist()}"
-            )
+            raise ValueError(f"rigid_body_mass + added_mass must be symmetric, found {total.tolist()}")
         _require_positive_definite("rigid_body_mass", self.rigid_body_mass)
         _require_positive_definite(
             "rigid_body_mass + added_mass",

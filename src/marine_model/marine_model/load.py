@@ -45,9 +45,7 @@ def vessel_path(name_or_path: str | Path) -> Path:
         return path
     known = VESSEL_FOLDER / f"{path}.yaml"
     if not known.is_file():
-        raise UnknownNameError(
-            f"vessel: expected a path or one of {', '.join(vessel_names())}, found '{name_or_path}'"
-        )
+        raise UnknownNameError(f"vessel: expected a path or one of {', '.join(vessel_names())}, found '{name_or_path}'")
     return known
 
 
@@ -82,9 +80,7 @@ def _overlay(
     if isinstance(base, dict) and isinstance(over, dict):
         merged = dict(base)
         for key, value in over.items():
-            merged[key] = _overlay(
-                base.get(key), value, (*field, key), (*own, key), own_lines, out
-            )
+            merged[key] = _overlay(base.get(key), value, (*field, key), (*own, key), own_lines, out)
         return merged
     if _named(base) and _named(over):
         entries = list(base)
@@ -105,6 +101,6 @@ def _overlay(
 
 
 def _named(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and all(
-        isinstance(entry, dict) and "name" in entry for entry in value
+    return (
+        isinstance(value, list) and bool(value) and all(isinstance(entry, dict) and "name" in entry for entry in value)
     )

@@ -36,10 +36,7 @@ class BollardPropellers:
         self.torque_per_speed_squared = torque_coefficient * density * diameter**5
         # P = 2 pi n Q with n from (3.8) gives (3.11): P = c |T|^(3/2).
         self.power_per_thrust_3_2 = (
-            2.0
-            * math.pi
-            * torque_coefficient
-            / (math.sqrt(density) * diameter * thrust_coefficient**1.5)
+            2.0 * math.pi * torque_coefficient / (math.sqrt(density) * diameter * thrust_coefficient**1.5)
         )
 
     def thrust(self, shaft_speed: FloatArray) -> FloatArray:

@@ -40,12 +40,8 @@ def cartesian_configuration(lever_x: FloatArray, lever_y: FloatArray) -> FloatAr
     return matrix
 
 
-def generalized_force(
-    lever_x: FloatArray, lever_y: FloatArray, thrust: FloatArray, azimuth: FloatArray
-) -> FloatArray:
+def generalized_force(lever_x: FloatArray, lever_y: FloatArray, thrust: FloatArray, azimuth: FloatArray) -> FloatArray:
     """Return B(azimuth) thrust, shape (3,): N, N, N m in the body frame."""
     force_x = thrust * np.cos(azimuth)
     force_y = thrust * np.sin(azimuth)
-    return np.array(
-        [force_x.sum(), force_y.sum(), (lever_x * force_y - lever_y * force_x).sum()]
-    )
+    return np.array([force_x.sum(), force_y.sum(), (lever_x * force_y - lever_y * force_x).sum()])

@@ -36,9 +36,7 @@ class Vessel(Section):
     name: str = Field(min_length=1)
     description: str
     scale: Positive  # length of the ship over length of what this file describes
-    degrees_of_freedom: Annotated[
-        tuple[Literal["surge"], Literal["sway"], Literal["yaw"]], Field(strict=False)
-    ]
+    degrees_of_freedom: Annotated[tuple[Literal["surge"], Literal["sway"], Literal["yaw"]], Field(strict=False)]
     density: Positive  # kg/m^3
     hull: Particulars
     manoeuvring: Manoeuvring
@@ -66,9 +64,7 @@ class Vessel(Section):
         if not np.any(self.lever_x) and not np.any(self.lever_y):
             raise ValueError("thrusters: all lever arms are zero, so that no yaw moment is possible")
         if np.linalg.matrix_rank(self._attainable_directions()) < 3:
-            raise ValueError(
-                "thrusters: together they cannot produce surge, sway and yaw independently"
-            )
+            raise ValueError("thrusters: together they cannot produce surge, sway and yaw independently")
         steps = self.measurement.sample_time / self.simulation.time_step
         if abs(steps - round(steps)) > 1e-9 or round(steps) < 1:
             raise ValueError(
@@ -133,9 +129,7 @@ class Vessel(Section):
     @cached_property
     def azimuth_rate(self) -> FloatArray:
         """Largest commanded turning rate, rad/s; 0 for a tunnel thruster."""
-        return _frozen(
-            [t.azimuth.rate if isinstance(t, AzimuthThruster) else 0.0 for t in self.thrusters]
-        )
+        return _frozen([t.azimuth.rate if isinstance(t, AzimuthThruster) else 0.0 for t in self.thrusters])
 
     @cached_property
     def propellers(self) -> BollardPropellers:

@@ -22,11 +22,9 @@ class _Loader(yaml.SafeLoader):
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen: set[Any] = set()
         for key_node, _ in node.value:
-            key = self.construct_object(key_node, deep=True)  # type: ignore[no-untyped-call]
+            key = self.construct_object(key_node, deep=True)
             if key in seen:
-                raise yaml.constructor.ConstructorError(
-                    None, None, f"field '{key}' appears twice", key_node.start_mark
-                )
+                raise yaml.constructor.ConstructorError(None, None, f"field '{key}' appears twice", key_node.start_mark)
             seen.add(key)
         return super().construct_mapping(node, deep=deep)
 
@@ -77,9 +75,7 @@ def validate(content: dict[str, Any], model: type[Model], document: YamlDocument
         for item in error.errors():
             field = _field_path(item["loc"], content)
             message = item["msg"].removeprefix("Value error, ")
-            if item["type"] not in ("missing", "value_error") and not isinstance(
-                item.get("input"), dict | list
-            ):
+            if item["type"] not in ("missing", "value_error") and not isinstance(item.get("input"), dict | list):
                 message += f", found {item['input']!r}"
             problems.append(document.problem(field, message))
         raise DocumentError("\n".join(problems)) from error

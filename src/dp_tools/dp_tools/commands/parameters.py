@@ -46,12 +46,16 @@ def list_parameters(
             for parameter, value in values.items():
                 descriptor = descriptors[parameter]
                 kind = _TYPES[descriptor.type] + (", read-only" if descriptor.read_only else "")
-                table.add_row(parameter, _text(value), kind, _range(descriptor), descriptor.description.replace("[", r"\["))
+                table.add_row(
+                    parameter, _text(value), kind, _range(descriptor), descriptor.description.replace("[", r"\[")
+                )
             console.print(table)
 
 
 @parameters_app.command()
-def get(node: NodeName, names: Annotated[list[str], typer.Argument(help="Parameters.")], namespace: Namespace = "") -> None:
+def get(
+    node: NodeName, names: Annotated[list[str], typer.Argument(help="Parameters.")], namespace: Namespace = ""
+) -> None:
     """Print values, one a line."""
     with operator(namespace) as one:
         for name, value in RemoteParameters(one, node).get(names).items():

@@ -12,7 +12,9 @@ from dp_tools.commands.root import console
 
 def report(
     bag: Annotated[Path, typer.Argument(help="Folder of a recording, or its .mcap file.")],
-    output: Annotated[Path | None, typer.Option(help="Folder for report.html and figures.json. [default: beside the bag]")] = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Folder for report.html and figures.json; beside the bag if left out.")
+    ] = None,
 ) -> None:
     """Write report.html and figures.json from a recording."""
     write_and_tell(bag, output or bag.absolute().parent)

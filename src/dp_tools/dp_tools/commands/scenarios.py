@@ -25,6 +25,4 @@ def list_scenarios() -> None:
 def check_scenario(name_or_path: str) -> None:
     """Check a scenario file; every problem is shown with file, line and field."""
     scenario = load_scenario(name_or_path)
-    console.print(
-        f"{scenario.name}: valid, {len(scenario.events)} events in {scenario.duration:g} s", markup=False
-    )
+    console.print(f"{scenario.name}: valid, {len(scenario.events)} events in {scenario.duration:g} s", markup=False)

@@ -26,9 +26,7 @@ def topics(
     """List topics with type, publishers and subscribers."""
     with operator(namespace) as one:
         own = one.node.get_name()
-        one.wait_until(
-            lambda: any(t for t, _ in _visible(one.node, every)), 3.0, "a topic; is the graph running?"
-        )
+        one.wait_until(lambda: any(t for t, _ in _visible(one.node, every)), 3.0, "a topic; is the graph running?")
         found = one.settled(lambda: _visible(one.node, every))
         counts: Counter[str] = Counter()
         if rate > 0.0:
@@ -44,9 +42,7 @@ def topics(
         table = Table("topic", "type", "publishers", "subscribers", *(["Hz"] if rate else []))
         for topic, kind in found:
             publishers = [e.node_name for e in one.node.get_publishers_info_by_topic(topic)]
-            subscribers = [
-                e.node_name for e in one.node.get_subscriptions_info_by_topic(topic) if e.node_name != own
-            ]
+            subscribers = [e.node_name for e in one.node.get_subscriptions_info_by_topic(topic) if e.node_name != own]
             row = [topic, kind, ", ".join(sorted(set(publishers))), ", ".join(sorted(set(subscribers)))]
             table.add_row(*row, *([f"{counts[topic] / rate:.1f}"] if rate else []))
         console.print(table)

@@ -29,11 +29,14 @@ def up(
     ] = False,
     rate: Annotated[
         float | None,
-        typer.Option(help="Simulated seconds a wall second; 0: no limit, with --lockstep only. [default: 1, or 0 with --lockstep]", min=0.0),
+        typer.Option(
+            help="Simulated seconds a wall second; 0: no limit, with --lockstep only. Default 1, 0 with --lockstep.",
+            min=0.0,
+        ),
     ] = None,
     composed: Annotated[bool, typer.Option("--composed", help="All nodes in one process.")] = False,
     namespace: Annotated[str, typer.Option(help="Namespace of the whole graph.")] = "",
-    output: Annotated[Path | None, typer.Option(help="Folder of the run. [default: runs/<scenario>]")] = None,
+    output: Annotated[Path | None, typer.Option(help="Folder of the run; runs/<scenario> if left out.")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a recording that is there.")] = False,
 ) -> None:
     """Start the graph, play a scenario if one is given, and stop everything in the end."""
