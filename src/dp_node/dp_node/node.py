@@ -46,6 +46,7 @@ class DpNode(LifecycleNode, Generic[S]):
         super().__init__(name, **kwargs)
         self.vessel: Vessel = load_vessel(self.structural("vessel", "cybership3", "Name or path of the vessel file"))
         self.autostart: bool = self.structural("autostart", True, "Configure and activate without being told to")
+        self.ignored = 0  # messages that came while the node was not active
         self._refused = 0
         self._last_refusal = ""
         self._refusals_reported = 0
@@ -112,6 +113,7 @@ class DpNode(LifecycleNode, Generic[S]):
 
         def guarded(message: Any) -> None:
             if not self._active:
+                self.ignored += 1
                 return
             try:
                 callback(message)
@@ -194,7 +196,7 @@ class DpNode(LifecycleNode, Generic[S]):
     def publish_diagnostics(self) -> None:
         """Publish the health of this node on /diagnostics."""
         label = self._state_machine.current_state[1]
-        own = Health(values={"state": label, "refused_inputs": self._refused})
+        own = Health(values={"state": label, "refused_inputs": self._refused, "ignored_inputs": self.ignored})
         if self._refused > self._refusals_reported:
             self._refusals_reported = self._refused
             own = Health(Level.WARN, f"refused: {self._last_refusal}", own.values)
