@@ -285,6 +285,7 @@ class Workspace:
                 "COLCON_LOG_PATH": str(self.root / "log"),
                 "PIP_DISABLE_PIP_VERSION_CHECK": "1",
                 "PIP_USER": "0",
+                "TMPDIR": str(self.cache / "tmp"),
                 "UV_CACHE_DIR": str(self.cache / "uv"),
                 "UV_PYTHON_DOWNLOADS": "never",
             }
@@ -331,7 +332,7 @@ class Workspace:
         """One set-up at a time in a checkout. Starts the log."""
         import fcntl
 
-        self.cache.mkdir(exist_ok=True)
+        (self.cache / "tmp").mkdir(parents=True, exist_ok=True)
         self.log.parent.mkdir(exist_ok=True)
         with open(str(self.cache / "setup.lock"), "w", encoding="utf-8") as lock:
             try:
@@ -342,6 +343,7 @@ class Workspace:
                 ) from None
             self.log.write_text("", encoding="utf-8")
             yield
+            shutil.rmtree(str(self.cache / "tmp"), ignore_errors=True)
 
     @contextlib.contextmanager
     def _step(self, title: str) -> Iterator[None]:
@@ -379,7 +381,7 @@ class Workspace:
                 "--require-hashes",
             ]
             self._run([*pip, "-r", str(requirement)], INSTALL_FAILED)
-        with self._step("{} pinned packages, ROS 2 among them (about 300 MB)".format(count_locked(lock))):
+        with self._step("{} pinned packages, ROS 2 among them".format(count_locked(lock))):
             self._uv_install(lock_file)
 
     def _install_bench_packages(self) -> None:
@@ -390,7 +392,9 @@ class Workspace:
     def _uv_install(self, lock_file: Path) -> None:
         self._follow_pip_settings()
         uv = [str(self.venv / "bin" / "uv"), "pip", "install", "--quiet", "--python", str(self.venv_python)]
-        self._run([*uv, "--require-hashes", "--no-deps", "-r", str(lock_file)], INSTALL_FAILED)
+        # The one package without a wheel is built with the setuptools of the lock.
+        constraints = ["--build-constraints", str(self.root / "locks" / "workspace.txt")]
+        self._run([*uv, "--require-hashes", "--no-deps", *constraints, "-r", str(lock_file)], INSTALL_FAILED)
 
     def _fit_packages(self) -> None:
         with self._step("ROS 2 wheels fitted to this machine"):
@@ -461,56 +465,24 @@ class Workspace:
 
     def lock(self) -> None:
         """Writes locks/ from pyproject.toml with the uv that set-up installed."""
-        compile_ = [
-            str(self.venv / "bin" / "uv"),
-            "pip",
-            "compile",
-            "--quiet",
-            "--upgrade",
-            "--no-config",
-            "--custom-compile-command",
-            "make lock",
-        ]
-        everywhere = [
-            "--universal",
-            "--python-version",
-            "3.11",
-            "--fork-strategy",
-            "fewest",
-            "--generate-hashes",
-        ]
-        groups = [word for group in LOCKED_GROUPS for word in ("--group", group)]
-        failed = "could not resolve the dependencies"
-        (self.root / "locks").mkdir(exist_ok=True)
-        self.cache.mkdir(exist_ok=True)
-        self.log.parent.mkdir(exist_ok=True)
-        self._run([*compile_, *everywhere, *groups, "--output-file", "locks/workspace.txt"], failed)
-        self._run(
-            [
-                *compile_,
-                *everywhere,
-                "--group",
-                "bench",
-                "--constraint",
-                "locks/workspace.txt",
-                "--output-file",
-                "locks/bench.txt",
-            ],
-            failed,
-        )
+        everywhere = "--universal --python-version 3.11 --fork-strategy fewest --generate-hashes"
+        groups = " ".join("--group " + group for group in LOCKED_GROUPS)
         # ROS 2 Jazzy on Ubuntu 24.04 is compiled against its numpy 1.26: nothing newer may stand before that.
-        constraint = self.cache / "ros-machine-constraint.txt"
-        constraint.write_text("numpy==1.26.4\n", encoding="utf-8")
-        ros_machine = [
-            "--python-version",
-            "3.12",
-            "--no-annotate",
-            "--group",
-            "runtime",
-            "--constraint",
-            str(constraint.relative_to(self.root)),
-        ]
-        self._run([*compile_, *ros_machine, "--output-file", "locks/ros-machine.txt"], failed)
+        ros_machine = self.cache / "ros-machine-constraint.txt"
+        with self._locked():
+            ros_machine.write_text("numpy==1.26.4\n", encoding="utf-8")
+            self._resolve("workspace", "{} {}".format(everywhere, groups))
+            self._resolve("bench", "{} --group bench --constraint locks/workspace.txt".format(everywhere))
+            constraint = ros_machine.relative_to(self.root)
+            self._resolve(
+                "ros-machine", "--python-version 3.12 --no-annotate --group runtime --constraint {}".format(constraint)
+            )
+
+    def _resolve(self, name: str, options: str) -> None:
+        uv = [str(self.venv / "bin" / "uv"), "pip", "compile", "--quiet", "--upgrade", "--no-config"]
+        output = ["--custom-compile-command", "make lock", "--output-file", "locks/{}.txt".format(name)]
+        with self._step("locks/{}.txt".format(name)):
+            self._run([*uv, *options.split(), *output], "could not resolve the dependencies")
 
     def clean(self, everything: bool) -> None:
         names = ["build", "install", "log", ".mypy_cache", ".ruff_cache", ".pytest_cache", ".hypothesis"]
