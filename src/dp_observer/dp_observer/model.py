@@ -43,7 +43,7 @@ _MARGIN = 1.05  # on the growth rate, for the headings between them
 
 
 class ObserverModel:
-    """System matrices of the observer for one vessel; ``set_heading`` makes them current.
+    """System matrices of the observer for one vessel; ``set_heading`` and ``set_share`` make them current.
 
     Attributes
     ----------
@@ -73,13 +73,15 @@ class ObserverModel:
         notch = 2.0 * (np.array(gains.notch_damping) - lam)
         self._inverse_mass = np.linalg.inv(mass)
         self._velocity_gain = np.array(gains.velocity_gain)
+        self._share = 1.0
         self.bias_scale = np.diag(mass).copy()
 
         self.injection = np.zeros((ORDER, 3))
         self.injection[WAVE] = np.diag(notch * omega)  # (B.11), first part
         self.injection[WAVE_INTEGRAL] = np.diag(-notch * cutoff)  # (B.11), second part, times omega_0
         self.injection[POSITION] = np.diag(cutoff)  # (B.12)
-        self.injection[BIAS] = np.diag(np.array(gains.bias_gain) / self.bias_scale)
+        self._bias_injection = np.diag(np.array(gains.bias_gain) / self.bias_scale)
+        self.injection[BIAS] = self._bias_injection
 
         self.force_input = np.zeros((ORDER, 3))
         self.force_input[VELOCITY] = self._inverse_mass
@@ -98,7 +100,12 @@ class ObserverModel:
         predictions, corrections = self._at_all_headings()
         _require_stable(corrections)
         self.prediction_flow = LinearFlow(ORDER, _MARGIN * growth_rate(predictions))
-        self.correction_flow = LinearFlow(ORDER, _MARGIN * growth_rate(corrections))
+        self.set_share(0.0)
+        without = self._at_all_headings()[1]
+        self.set_share(1.0)
+        self.correction_flow = LinearFlow(
+            ORDER, _MARGIN * max(growth_rate(corrections), growth_rate(without))
+        )
 
     def set_heading(self, heading: float) -> None:
         """Make the matrices those of ``heading`` (rad)."""
@@ -106,6 +113,8 @@ class ObserverModel:
         from_map = np.dot(self._inverse_mass, rotated.T)  # M^-1 R^T
         bias = from_map * self.bias_scale
         gain = from_map * self._velocity_gain
+        if self._share != 1.0:
+            gain *= self._share
         self.prediction[POSITION, VELOCITY] = rotated
         self.prediction[VELOCITY, BIAS] = bias
         self.injection[VELOCITY] = gain
@@ -114,6 +123,16 @@ class ObserverModel:
         np.negative(gain, out=gain)
         self.correction[VELOCITY, WAVE] = gain
         self.correction[VELOCITY, POSITION] = gain
+
+    def set_share(self, share: float) -> None:
+        """Make K_3 and K_4 ``share`` of their full values, from the next ``set_heading`` on."""
+        if share == self._share:
+            return
+        self._share = share
+        bias = self._bias_injection * share
+        self.injection[BIAS] = bias
+        self.correction[BIAS, WAVE] = -bias
+        self.correction[BIAS, POSITION] = -bias
 
     def _at_all_headings(self) -> tuple[FloatArray, FloatArray]:
         """Return ``prediction`` and ``correction`` at the checked headings, shape (k, 15, 15) each."""

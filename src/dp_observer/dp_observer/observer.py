@@ -172,9 +172,13 @@ class Observer:
         """Return the state at ``fix``, from ``start``; ``end`` is the prediction that gave ``innovation``."""
         predicted = start[POSITION] + start[WAVE]
         if last_fix is None:
-            # Nothing was measured at the start: what is missing at the end was missing there too.
+            # Nothing was measured at the start: what is missing at the end was missing there too. It built up over the
+            # whole time without fixes, and velocity and bias are to blame for it in proportion only: with the full
+            # K_3 and K_4 the observer would swing ever higher on fixes that come rarely.
             first = predicted + innovation
+            self._model.set_share(min(1.0, dt / self._age))
         else:
+            self._model.set_share(1.0)
             first = last_fix.copy()
             first[2] = predicted[2] + wrap_angle(float(first[2] - predicted[2]))
         last = fix.copy()
