@@ -1,0 +1,226 @@
+"""The observer: predicts with the vessel's model, corrects with position fixes, and knows when it is lost."""
+
+from __future__ import annotations
+
+import copy
+import math
+
+import numpy as np
+
+from marine_model.errors import InputError
+from marine_model.frames import wrap_angle
+from marine_model.guards import FloatArray, finite_vector, positive_number
+from marine_model.vessel import Vessel
+
+from dp_observer.estimate import ObserverEstimate, ObserverInputs, ObserverStatus
+from dp_observer.measurement_gate import MeasurementGate, Verdict
+from dp_observer.model import (
+    BIAS,
+    HEADING,
+    ORDER,
+    POSITION,
+    VELOCITY,
+    WAVE,
+    YAW_RATE,
+    ObserverModel,
+)
+from dp_observer.settings import ObserverSettings
+
+# Beyond these a number is a fault of its sender (no point of the Earth is farther off), and sums might overflow.
+_LARGEST_POSITION = 1.0e8
+_LARGEST_FORCE = 1.0e12
+_LARGEST_STEP = 1.0e9
+
+_ROUNDING = 1.0e-9  # s, of ages added up from steps
+
+# A step longer than this many samples has missed one: the measurement says nothing about the time before.
+_LATE = 1.5
+
+
+class Observer:
+    """Passive nonlinear observer, [Ruth] B.3.1 after Fossen (2002).
+
+    The heading in R(psi) is held over a sample, at the middle of the sample, as measured (as predicted, without a fix).
+    The equations are then linear and are solved exactly, with the fix going straight from its last value to the present
+    one and ``tau`` constant; so the observer is stable at any rate at which its continuous form is.
+
+    Parameters
+    ----------
+    vessel
+        Gains are ``vessel.observer``, the sample is ``vessel.measurement.sample_time``.
+    settings
+        Operator's limits.
+
+    Raises
+    ------
+    InputError
+        If the vessel's gains do not give a stable observer.
+    """
+
+    def __init__(self, vessel: Vessel, settings: ObserverSettings) -> None:
+        self._settings = settings
+        self._sample_time = vessel.measurement.sample_time
+        self._model = ObserverModel(vessel.observer)
+        self._gate = MeasurementGate(vessel.hull.length)
+        self._state = np.zeros(ORDER)
+        self._initialised = False
+        self._last_fix: FloatArray | None = None  # of the last step, if it was used
+        self._age = 0.0  # s since the last fix used
+
+    @property
+    def settings(self) -> ObserverSettings:
+        """Settings in force."""
+        return self._settings
+
+    def apply(self, settings: ObserverSettings) -> None:
+        """Replace the settings, from the next step on."""
+        self._settings = settings
+
+    def fork(self) -> Observer:
+        """Return an observer in the same state that goes its own way, e.g. to look ahead."""
+        twin = copy.copy(self)
+        twin._gate = copy.copy(self._gate)
+        return twin
+
+    def step(self, inputs: ObserverInputs, dt: float) -> ObserverEstimate:
+        """Return the estimate ``dt`` (s) after the last step.
+
+        Raises
+        ------
+        InputError
+            If ``dt`` is not positive or an input has the wrong shape, is not finite or is absurdly large; the observer
+            is then as before.
+        """
+        dt = positive_number("dt", dt)
+        if dt > _LARGEST_STEP:
+            raise InputError(f"dt: expected at most {_LARGEST_STEP:g} s, found {dt}")
+        tau = _bounded("tau", inputs.tau, _LARGEST_FORCE)
+        if inputs.position is None:
+            return self._dead_reckon(tau, dt)
+        return self._measure(_bounded("position", inputs.position, _LARGEST_POSITION), tau, dt)
+
+    def _dead_reckon(self, tau: FloatArray, dt: float) -> ObserverEstimate:
+        self._age += dt
+        self._last_fix = None
+        if not self._initialised:
+            return self._estimate(ObserverStatus.UNINITIALISED)
+        self._state = self._predicted(self._state, tau, min(dt, self._longest_prediction()))
+        return self._estimate(ObserverStatus.DEAD_RECKONING)
+
+    def _measure(self, fix: FloatArray, tau: FloatArray, dt: float) -> ObserverEstimate:
+        if not self._initialised:
+            self._initialised = True
+            return self._restart(fix, np.zeros(3), ObserverStatus.INITIALISED)
+        self._age += dt
+        start, last_fix = self._state, self._last_fix
+        if dt > _LATE * self._sample_time:
+            gap = dt - self._sample_time
+            start = self._predicted(start, tau, min(gap, self._longest_prediction()))
+            last_fix, dt = None, self._sample_time
+        end = self._predicted(start, tau, dt)
+        innovation = fix - end[POSITION] - end[WAVE]
+        innovation[2] = wrap_angle(innovation[2])
+        # The prediction was too old a sample ago: any fix may be as far away as it likes.
+        lost = self._too_long(self._age - dt)
+        verdict = self._gate.judge(fix, innovation, lost, self._settings)
+        if verdict is Verdict.USE:
+            self._state = self._corrected(start, end, fix, last_fix, innovation, tau, dt)
+            self._last_fix = fix.copy()
+            self._age = 0.0
+            return self._estimate(ObserverStatus.NOMINAL, innovation)
+        self._state = end
+        if verdict is Verdict.RESTART:
+            return self._restart(fix, innovation, ObserverStatus.REINITIALISED)
+        self._last_fix = None
+        return self._estimate(ObserverStatus.OUTLIER_REFUSED, innovation)
+
+    def _restart(
+        self, fix: FloatArray, innovation: FloatArray, status: ObserverStatus
+    ) -> ObserverEstimate:
+        """Set the position to ``fix``; velocity and bias stay, as a jump says nothing about them."""
+        state = self._state.copy()
+        state[: POSITION.start] = 0.0
+        state[POSITION] = fix
+        state[HEADING] = wrap_angle(float(fix[2]))
+        self._state = state
+        self._last_fix = fix.copy()
+        self._age = 0.0
+        return self._estimate(status, innovation)
+
+    def _predicted(self, state: FloatArray, tau: FloatArray, duration: float) -> FloatArray:
+        """Return the state after ``duration`` (s) without measurements."""
+        count = max(1, round(duration / self._sample_time))
+        force = np.dot(self._model.force_input, tau)
+        length = duration / count
+        for _ in range(count):
+            self._model.set_heading(float(state[HEADING] + 0.5 * length * state[YAW_RATE]))
+            state = self._model.prediction_flow.advance(
+                self._model.prediction, state, force, None, length
+            )
+        return state
+
+    def _corrected(
+        self,
+        start: FloatArray,
+        end: FloatArray,
+        fix: FloatArray,
+        last_fix: FloatArray | None,
+        innovation: FloatArray,
+        tau: FloatArray,
+        dt: float,
+    ) -> FloatArray:
+        """Return the state at ``fix``, from ``start``; ``end`` is the prediction that gave ``innovation``."""
+        predicted = start[POSITION] + start[WAVE]
+        if last_fix is None:
+            # Nothing was measured at the start: what is missing at the end was missing there too. It built up over the
+            # whole time without fixes, and velocity and bias are to blame for it in proportion only: with the full
+            # K_3 and K_4 the observer would swing ever higher on fixes that come rarely.
+            first = predicted + innovation
+            self._model.set_share(min(1.0, dt / self._age))
+        else:
+            self._model.set_share(1.0)
+            first = last_fix.copy()
+            first[2] = predicted[2] + wrap_angle(float(first[2] - predicted[2]))
+        last = fix.copy()
+        last[2] = first[2] + wrap_angle(float(last[2] - first[2]))
+        self._model.set_heading(0.5 * float(first[2] + last[2]))
+        injection = self._model.injection
+        force = np.dot(self._model.force_input, tau) + np.dot(injection, first)
+        ramp = np.dot(injection, (last - first) / dt)
+        return self._model.correction_flow.advance(
+            self._model.correction, start, force, ramp, dt
+        )
+
+    def _too_long(self, age: float) -> bool:
+        return age > self._settings.dead_reckoning_limit + _ROUNDING
+
+    def _longest_prediction(self) -> float:
+        """A longer gap ends in an invalid estimate all the same: bound the work (s)."""
+        return max(self._settings.dead_reckoning_limit, self._sample_time)
+
+    def _estimate(
+        self, status: ObserverStatus, innovation: FloatArray | None = None
+    ) -> ObserverEstimate:
+        state = self._state
+        state[HEADING] = wrap_angle(float(state[HEADING]))
+        valid = self._initialised and not self._too_long(self._age)
+        if self._initialised and not valid:
+            status = ObserverStatus.INVALID
+        return ObserverEstimate(
+            position=state[POSITION].copy(),
+            velocity=state[VELOCITY].copy(),
+            wave_frequency_position=state[WAVE].copy(),
+            bias=state[BIAS] * self._model.bias_scale,
+            innovation=np.zeros(3) if innovation is None else innovation,
+            valid=valid,
+            status=status,
+            time_since_measurement=self._age,
+        )
+
+
+def _bounded(name: str, value: FloatArray, largest: float) -> FloatArray:
+    vector = finite_vector(name, value, 3)
+    for number in vector.tolist():
+        if not math.fabs(number) <= largest:
+            raise InputError(f"{name}: expected numbers within {largest:g}, found {vector.tolist()}")
+    return vector
