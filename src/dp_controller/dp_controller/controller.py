@@ -1,0 +1,400 @@
+"""The motion controller: operator modes around reference generator and nonlinear PID."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dp_controller.guidance import Guidance, Mask
+from dp_controller.joystick import Joystick
+from dp_controller.pid import NonlinearPid
+from dp_controller.reference_generator import ReferenceGenerator
+from dp_controller.settings import AxisMode, ControllerSettings
+from dp_controller.signals import ControllerInputs, ControllerOutput
+from dp_controller.timed_path import TimedPath
+from dp_controller.transfer import Transfer
+from dp_controller.vectors import ZERO, Triple, masked
+from marine_model import Vessel
+from marine_model.errors import InputError
+from marine_model.frames import wrap_angle
+from marine_model.guards import finite_number, finite_vector, positive_number
+
+AXES = ("surge", "sway", "yaw")
+
+OBSERVER_INVALID: Final = "observer_invalid"
+JOYSTICK_STALE: Final = "joystick_stale"
+PATH_MISSING: Final = "path_missing"
+ESTIMATE_LATE: Final = "estimate_late"
+NOMINAL: Final = "nominal"
+
+# A sample that comes later than this many sample times counts as this many: nothing is known about the time between.
+_LONGEST_GAP = 10.0
+
+
+class Controller:
+    """Asks for a generalized force that brings the vessel where the operator wants it.
+
+    Each of surge, sway and yaw is off, manual (joystick) or automatic: reference generator, [Ruth] B.3.2, and
+    nonlinear PID, (B.15)-(B.18). Every switch is bumpless: the demand of the first sample after it equals that of the
+    last sample before it, and the difference fades in ``settings.transfer_time``. An axis that becomes automatic takes
+    the demand in force as its integral.
+
+    The clock of the controller reads 0 at the first step, and ``dt`` more at each later one.
+
+    Parameters
+    ----------
+    vessel
+        Gains and limits come from ``vessel.controller``.
+    settings
+        What the operator may change.
+    """
+
+    def __init__(self, vessel: Vessel, settings: ControllerSettings | None = None) -> None:
+        gains = vessel.controller
+        self._vessel_gains = (gains.proportional, gains.integral, gains.derivative)
+        self._velocity_max = gains.reference.velocity_max
+        self._gap_max = _LONGEST_GAP * vessel.measurement.sample_time
+        self._settings = settings if settings is not None else ControllerSettings()
+        self._pid = NonlinearPid(*self._scaled_gains())
+        self._guidance = Guidance(
+            ReferenceGenerator(gains.reference.frequency, gains.reference.damping, self._scaled_velocity())
+        )
+        self._joystick = Joystick()
+        self._transfers = (Transfer(), Transfer(), Transfer())
+        self._laws: list[str] | None = None
+        self._time: float | None = None
+        self._retuned = False
+        self._stick_was_fresh = False
+        self._demand: Triple = ZERO
+        self._demand_unlimited: Triple = ZERO
+        self._message = ""
+
+    # Operator -------------------------------------------------------------------------------------------------------
+
+    @property
+    def settings(self) -> ControllerSettings:
+        """The settings in force from the next step on."""
+        return self._settings
+
+    @property
+    def time(self) -> float:
+        """Clock at the last step, s; 0 before the first."""
+        return self._time if self._time is not None else 0.0
+
+    @property
+    def message(self) -> str:
+        """Answer to the last operator input."""
+        return self._message
+
+    def answer(self, text: str) -> None:
+        """Record the answer to an operator input that did not get as far as this class."""
+        self._message = text
+
+    def apply(self, settings: ControllerSettings) -> None:
+        """Swap the settings whole; they hold from the next step on."""
+        before, self._settings = self._settings, settings
+        self._pid.gains = self._scaled_gains()
+        self._guidance.generator.velocity_max = self._scaled_velocity()
+        self._retuned = self._retuned or any(
+            getattr(before, name) != getattr(settings, name)
+            for name in ("proportional_scale", "derivative_scale", "velocity_scale")
+        )
+        if before.axis_modes == settings.axis_modes and before.mode == settings.mode:
+            self._message = "settings accepted"
+        else:
+            axes = ", ".join(f"{axis} {mode}" for axis, mode in zip(AXES, settings.axis_modes, strict=True))
+            self._message = f"mode {settings.mode} accepted: {axes}"
+
+    def set_setpoint(self, position: ArrayLike) -> None:
+        """Give a set point for the automatic axes.
+
+        Where no axis can follow it (none is automatic, or the vessel tracks a path), it waits until one can.
+
+        Parameters
+        ----------
+        position
+            Shape (3,): north (m), east (m), heading (rad; reached by the shorter way from the reference heading).
+
+        Raises
+        ------
+        InputError
+            If the shape is wrong or a number is not finite; the set point before stays.
+        """
+        with self._answering("set point"):
+            setpoint = _triple("set point", position)
+        self._guidance.set_setpoint(setpoint)
+        automatic = [axis for axis, mode in zip(AXES, self._settings.axis_modes, strict=True) if mode == "automatic"]
+        text = f"set point accepted: {setpoint[0]:.3f} m, {setpoint[1]:.3f} m, {setpoint[2]:.4f} rad"
+        if self._settings.mode == "tracking":
+            text += "; waits for the end of mode tracking"
+        elif not automatic:
+            text += "; waits for an automatic axis"
+        elif len(automatic) < len(AXES):
+            text += f"; for {', '.join(automatic)} only"
+        self._message = text
+
+    def set_joystick(self, tau: ArrayLike, time: float | None = None) -> None:
+        """Give a manual generalized force.
+
+        Parameters
+        ----------
+        tau
+            Shape (3,): N, N, N m, body frame.
+        time
+            When it was given, on the clock of the controller (s); now if None.
+
+        Raises
+        ------
+        InputError
+            If the shape is wrong, a number is not finite, or the time lies before that of the last one or further
+            ahead than the joystick timeout; the force before stays.
+        """
+        with self._answering("joystick"):
+            force = _triple("joystick", tau)
+            given = self.time if time is None else finite_number("joystick time", time)
+            last, timeout = self._joystick.time, self._settings.joystick_timeout
+            if last is not None and given < last:
+                raise InputError(f"joystick time: expected at least {last:.3f} s, found {given:.3f} s")
+            # A clock that runs ahead would keep a dead joystick alive.
+            if timeout > 0.0 and given > self.time + timeout:
+                raise InputError(
+                    f"joystick time: expected at most {timeout:.3f} s after the last estimate, "
+                    f"found {given - self.time:.3f} s"
+                )
+        self._joystick.set(force, given)
+        self._message = "joystick accepted"
+
+    def set_path(self, times: ArrayLike, positions: ArrayLike) -> None:
+        """Give a timed path for mode tracking, in place of the one before.
+
+        Parameters
+        ----------
+        times
+            Shape (k,): on the clock of the controller (s), increasing, k >= 1.
+        positions
+            Shape (k, 3): north (m), east (m), heading (rad; the shorter way from pose to pose).
+
+        Raises
+        ------
+        InputError
+            If a shape is wrong, a number is not finite, or times do not increase; the path before stays.
+        """
+        with self._answering("path"):
+            path = TimedPath(times, positions)
+        self._guidance.set_path(path)
+        text = f"path accepted: {len(path)} poses from {path.start:.1f} s to {path.end:.1f} s"
+        fast = [
+            f"{axis} ({speed:.3g} of {limit:.3g})"
+            for axis, speed, limit in zip(
+                AXES, path.body_speeds().tolist(), self._guidance.generator.velocity_max, strict=True
+            )
+            if speed > limit
+        ]
+        if fast:
+            text += f"; faster than the velocity limit in {', '.join(fast)}: the reference will lag"
+        if self._settings.mode != "tracking":
+            text += "; waits for mode tracking"
+        self._message = text
+
+    # Control --------------------------------------------------------------------------------------------------------
+
+    def step(self, inputs: ControllerInputs, dt: float) -> ControllerOutput:
+        """Return the demand for one estimate.
+
+        Parameters
+        ----------
+        inputs
+            Estimate and the allocator's answer to the last demand.
+        dt
+            Time since the last step, s.
+
+        Raises
+        ------
+        InputError
+            If a shape is wrong or a number is not finite; the controller stays as it was.
+        """
+        dt = positive_number("dt", dt)
+        position = _triple("position", inputs.position) if inputs.valid else ZERO
+        velocity = _triple("velocity", inputs.velocity) if inputs.valid else ZERO
+        achieved = None if inputs.tau_achieved is None else _triple("tau_achieved", inputs.tau_achieved)
+        settings = self._settings
+        now = 0.0 if self._time is None else self._time + dt
+        self._time = now
+        elapsed = min(dt, self._gap_max)
+        modes = settings.axis_modes
+        automatic = _mask(modes, "automatic")
+        manual = _mask(modes, "joystick")
+        track = settings.mode == "tracking"
+
+        if inputs.valid:
+            self._guidance.step(position, velocity, automatic, track, now, elapsed)
+            error = self._guidance.error(position, automatic)
+            proportional = self._pid.proportional(error)
+            follows = track or settings.velocity_feedback == "error"
+            reference_velocity = self._guidance.velocity(position[2]) if follows else ZERO
+            derivative = masked(self._pid.derivative(velocity, reference_velocity), automatic)
+        else:
+            self._guidance.lose(automatic)
+            error = proportional = derivative = ZERO
+            follows = False
+        self._integrate(automatic, error, achieved, elapsed, inputs.valid)
+        integral = self._pid.force
+        stick = self._joystick.force(now, settings.joystick_timeout, settings.transfer_time)
+        joystick = masked(stick, manual)
+
+        raw = (
+            proportional[0] + integral[0] + derivative[0] + joystick[0],
+            proportional[1] + integral[1] + derivative[1] + joystick[1],
+            proportional[2] + integral[2] + derivative[2] + joystick[2],
+        )
+        stick_is_fresh = self._joystick.is_fresh(now, settings.joystick_timeout)
+        laws = [_law(mode, inputs.valid, follows) for mode in modes]
+        transfer = self._transfer(laws, raw, stick_is_fresh, dt)
+        demand = (raw[0] + transfer[0], raw[1] + transfer[1], raw[2] + transfer[2])
+        self._demand_unlimited = demand
+        self._demand = _limited(demand, settings.tau_max)
+        self._laws = laws
+        self._stick_was_fresh = stick_is_fresh
+
+        generator = self._guidance.generator
+        reference = generator.position
+        # One flat tuple: an array of it costs a third of one of nested tuples.
+        table = np.array(
+            (
+                *self._demand,
+                reference[0],
+                reference[1],
+                wrap_angle(reference[2]),
+                *masked(generator.body_velocity(), automatic),
+                *error,
+                *proportional,
+                *integral,
+                *derivative,
+                *joystick,
+                *transfer,
+            )
+        ).reshape(9, 3)
+        return ControllerOutput(
+            tau_desired=table[0],
+            mode=settings.mode,
+            axis_mode=modes,
+            status=self._status(inputs.valid, track, manual, stick_is_fresh, dt),
+            message=self._message,
+            reference_position=table[1],
+            reference_velocity=table[2],
+            error=table[3],
+            proportional=table[4],
+            integral=table[5],
+            derivative=table[6],
+            joystick=table[7],
+            transfer=table[8],
+        )
+
+    def _integrate(self, automatic: Mask, error: Triple, achieved: Triple | None, dt: float, valid: bool) -> None:
+        """Advance, hold, begin or clear the integral of every axis."""
+        before = self._laws
+        # An axis that becomes automatic takes over what the vessel is pushed with now; a manual axis keeps none.
+        force = self._pid.force
+        staying = [automatic[i] and before is not None and before[i] not in ("off", "joystick") for i in range(3)]
+        begun = [force[i] if staying[i] else self._demand[i] if automatic[i] else 0.0 for i in range(3)]
+        self._pid.force = (begun[0], begun[1], begun[2])
+        if not valid:
+            return
+        active = (staying[0], staying[1], staying[2])
+        if active == (False, False, False):
+            return
+        got, asked = self._demand if achieved is None else achieved, self._demand_unlimited
+        shortfall = masked((got[0] - asked[0], got[1] - asked[1], got[2] - asked[2]), active)
+        self._pid.integrate(masked(error, active), shortfall, dt, self._settings.anti_windup_time)
+
+    def _transfer(self, laws: list[str], raw: Triple, stick_is_fresh: bool, dt: float) -> Triple:
+        """Return the fading part of the demand, begun anew in every axis whose law changes in this sample."""
+        before, fade = self._laws, self._settings.transfer_time
+        stick_is_back = stick_is_fresh and not self._stick_was_fresh
+        for i, part in enumerate(self._transfers):
+            changed = before is not None and (
+                laws[i] != before[i]
+                or (self._retuned and laws[i] not in ("off", "joystick"))
+                or (stick_is_back and laws[i] == "joystick")
+            )
+            if changed:
+                part.begin(self._demand[i] - raw[i], fade)
+            else:
+                part.advance(dt)
+        self._retuned = False
+        a, b, c = self._transfers
+        return a.force, b.force, c.force
+
+    def _status(self, valid: bool, track: bool, manual: Mask, stick_is_fresh: bool, dt: float) -> str:
+        states = []
+        if not valid:
+            states.append(OBSERVER_INVALID)
+        if dt > self._gap_max * (1.0 + 1e-9):
+            states.append(ESTIMATE_LATE)
+        if not stick_is_fresh and any(manual):
+            states.append(JOYSTICK_STALE)
+        if track and not self._guidance.has_path:
+            states.append(PATH_MISSING)
+        return ",".join(states) if states else NOMINAL
+
+    def _scaled_gains(self) -> tuple[Triple, Triple, Triple]:
+        settings = self._settings
+        proportional, integral, derivative = self._vessel_gains
+        return (
+            _product(proportional, settings.proportional_scale),
+            _product(integral, settings.integral_scale),
+            _product(derivative, settings.derivative_scale),
+        )
+
+    def _scaled_velocity(self) -> Triple:
+        return _product(self._velocity_max, self._settings.velocity_scale)
+
+    @contextmanager
+    def _answering(self, what: str) -> Iterator[None]:
+        """Make a refusal the answer to the operator."""
+        try:
+            yield
+        except InputError as error:
+            self._message = f"{what} refused: {error}"
+            raise
+
+
+def _triple(name: str, value: ArrayLike) -> Triple:
+    # The common case first, in a fifth of the time that the guard takes.
+    if type(value) is np.ndarray and value.shape == (3,) and value.dtype == np.float64:
+        x, y, z = value.tolist()
+        if math.isfinite(x) and math.isfinite(y) and math.isfinite(z):
+            return x, y, z
+    x, y, z = finite_vector(name, value, 3).tolist()
+    return x, y, z
+
+
+def _product(a: Triple, b: Triple) -> Triple:
+    return a[0] * b[0], a[1] * b[1], a[2] * b[2]
+
+
+def _mask(modes: tuple[AxisMode, AxisMode, AxisMode], mode: AxisMode) -> Mask:
+    return modes[0] == mode, modes[1] == mode, modes[2] == mode
+
+
+def _law(mode: AxisMode, valid: bool, follows: bool) -> str:
+    """Return the name of what makes the demand in one axis: at a change of it the demand could jump."""
+    if mode != "automatic":
+        return mode
+    if not valid:
+        return "hold"
+    return "error_feedback" if follows else "vessel_feedback"
+
+
+def _limited(demand: Triple, limits: Triple) -> Triple:
+    """Return ``demand`` within ``limits``; a limit of 0 is none."""
+    x, y, n = (
+        math.copysign(limit, value) if 0.0 < limit < abs(value) else value
+        for value, limit in zip(demand, limits, strict=True)
+    )
+    return x, y, n

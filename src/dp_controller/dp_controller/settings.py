@@ -1,0 +1,70 @@
+"""What an operator may change while the controller runs."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from marine_model.schema import NonNegativeVector3
+from marine_model.settings import Settings, setting
+
+Mode = Literal["standby", "joystick", "setpoint", "semi_automatic", "tracking"]
+AxisMode = Literal["off", "joystick", "automatic"]
+AxisModes = tuple[AxisMode, AxisMode, AxisMode]
+
+_Scale = Annotated[float, Field(ge=0.0, le=10.0)]
+_Scale3 = Annotated[tuple[_Scale, _Scale, _Scale], Field(strict=False)]
+_SpeedFraction = Annotated[float, Field(ge=0.01, le=1.0)]
+_SpeedFraction3 = Annotated[tuple[_SpeedFraction, _SpeedFraction, _SpeedFraction], Field(strict=False)]
+
+_ONES = (1.0, 1.0, 1.0)
+
+
+class ControllerSettings(Settings):
+    """Operator-facing options of the controller. Vectors are surge, sway, yaw."""
+
+    mode: Mode = setting("standby", "What the controller does")
+    axis_surge: AxisMode = setting("joystick", "Surge in mode semi_automatic")
+    axis_sway: AxisMode = setting("joystick", "Sway in mode semi_automatic")
+    axis_yaw: AxisMode = setting("automatic", "Yaw in mode semi_automatic")
+    proportional_scale: _Scale3 = setting(
+        _ONES, "Factor on the vessel's proportional gain in surge, sway, yaw, 0 to 10"
+    )
+    integral_scale: _Scale3 = setting(_ONES, "Factor on the vessel's integral gain in surge, sway, yaw, 0 to 10")
+    derivative_scale: _Scale3 = setting(_ONES, "Factor on the vessel's derivative gain in surge, sway, yaw, 0 to 10")
+    velocity_scale: _SpeedFraction3 = setting(
+        _ONES, "Part of the vessel's velocity limit that the reference may use in surge, sway, yaw, 0.01 to 1"
+    )
+    velocity_feedback: Literal["vessel", "error"] = setting(
+        "vessel",
+        "Velocity that the derivative term damps at a set point: that of the vessel, as in [Ruth] (B.15), "
+        "or its difference from the reference (always so in mode tracking)",
+    )
+    anti_windup_time: float = setting(
+        10.0, "Time constant with which the integral gives way to saturated thrusters; 0 for never", unit="s", ge=0.0
+    )
+    transfer_time: float = setting(
+        5.0, "Time in which a step of the demand at a switch fades; 0 for no bumpless transfer", unit="s", ge=0.0
+    )
+    joystick_timeout: float = setting(
+        2.0, "Age from which a joystick input fades to zero; 0 for never", unit="s", ge=0.0
+    )
+    tau_max: NonNegativeVector3 = setting(
+        (0.0, 0.0, 0.0), "Largest demand in surge (N), sway (N), yaw (N m); 0 for no limit"
+    )
+
+    @property
+    def axis_modes(self) -> AxisModes:
+        """Modes of surge, sway and yaw."""
+        if self.mode == "semi_automatic":
+            return self.axis_surge, self.axis_sway, self.axis_yaw
+        return _AXIS_MODES[self.mode]
+
+
+_AXIS_MODES: dict[str, AxisModes] = {
+    "standby": ("off", "off", "off"),
+    "joystick": ("joystick", "joystick", "joystick"),
+    "setpoint": ("automatic", "automatic", "automatic"),
+    "tracking": ("automatic", "automatic", "automatic"),
+}

@@ -1,0 +1,73 @@
+"""What goes into the controller at every sample, and what comes out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dp_controller.settings import AxisModes, Mode
+from marine_model.guards import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerInputs:
+    """Estimate of the observer and answer of the allocator.
+
+    Attributes
+    ----------
+    position
+        Shape (3,): north (m), east (m), heading (rad), low-frequency.
+    velocity
+        Shape (3,): surge (m/s), sway (m/s), yaw rate (rad/s), body frame.
+    tau_achieved
+        Shape (3,): generalized force (N, N, N m; body frame) that answers the demand of the last step, or None if that
+        answer is not known: then nothing is fed back to the integral.
+    valid
+        False if the observer has lost the vessel; position and velocity are not looked at then.
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    tau_achieved: FloatArray | None = None
+    valid: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerOutput:
+    """Demand and how it came about. Forces are N, N, N m in the body frame, shape (3,).
+
+    Before limits, ``tau_desired`` is the sum of ``proportional``, ``integral``, ``derivative``, ``joystick`` and
+    ``transfer``.
+
+    Attributes
+    ----------
+    tau_desired
+        Demanded generalized force.
+    mode, axis_mode
+        Operator mode, and mode of surge, sway, yaw.
+    status
+        ``nominal``, or the names of the safe states in force, separated by commas.
+    message
+        Answer to the last operator input.
+    reference_position
+        Shape (3,): north (m), east (m), heading (rad, wrapped); in a manual axis that of the vessel.
+    reference_velocity
+        Shape (3,): m/s, m/s, rad/s in the body frame of the reference heading; zero in a manual axis.
+    error
+        Shape (3,): reference minus estimate, body frame of the vessel (m, m, rad); zero in a manual axis.
+    proportional, integral, derivative, joystick, transfer
+        Parts of the demand.
+    """
+
+    tau_desired: FloatArray
+    mode: Mode
+    axis_mode: AxisModes
+    status: str
+    message: str
+    reference_position: FloatArray
+    reference_velocity: FloatArray
+    error: FloatArray
+    proportional: FloatArray
+    integral: FloatArray
+    derivative: FloatArray
+    joystick: FloatArray
+    transfer: FloatArray
