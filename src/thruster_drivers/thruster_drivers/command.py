@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector
 from marine_model.vessel import Vessel
-from numpy.typing import ArrayLike
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector, positive_number
 from marine_model.thruster import AzimuthThruster
 from marine_model.vessel import Vessel
-
 from thruster_drivers.azimuth import AzimuthController
 from thruster_drivers.controllers import ThrusterController, make_controller
 from thruster_drivers.settings import DriverSettings
@@ -93,13 +93,10 @@ class Drivers:
         self._models = shaft_models(vessel)
         self._n = len(self._models)
         self._thrust_limits: list[tuple[float, float, float]] = [
-            (thruster.thrust.min, thruster.thrust.max, thruster.thrust.rate)
-            for thruster in vessel.thrusters
+            (thruster.thrust.min, thruster.thrust.max, thruster.thrust.rate) for thruster in vessel.thrusters
         ]
         self._azimuth_controllers: list[AzimuthController | None] = [
-            AzimuthController(vessel.drivers.azimuth, thruster.azimuth_drive.rate_max)
-            if isinstance(thruster, AzimuthThruster)
-            else None
+            AzimuthController(vessel.drivers.azimuth, thruster.azimuth_drive.rate_max) if isinstance(thruster, AzimuthThruster) else None
             for thruster in vessel.thrusters
         ]
         self._controllers: list[ThrusterController] = []
@@ -111,9 +108,7 @@ class Drivers:
     def apply(self, settings: DriverSettings) -> None:
         """Swap the settings as a whole; they hold from the next step on."""
         if settings.controller != self._controller_kind:
-            self._controllers = [
-                make_controller(settings.controller, model, self._gains) for model in self._models
-            ]
+            self._controllers = [make_controller(settings.controller, model, self._gains) for model in self._models]
             self._controller_kind = settings.controller
         self._timeout = settings.command_timeout or self._gains.command_timeout
 
@@ -193,9 +188,7 @@ class Drivers:
     def _nominal_thrust(self, shaft_speed: list[float]) -> list[float]:
         """Thrust the shafts now give, so that a driver that starts under way does not jerk."""
         found = []
-        for model, speed, (lowest, highest, _) in zip(
-            self._models, shaft_speed, self._thrust_limits, strict=True
-        ):
+        for model, speed, (lowest, highest, _) in zip(self._models, shaft_speed, self._thrust_limits, strict=True):
             thrust = model.thrust(speed) if math.isfinite(speed) else 0.0
             found.append(max(lowest, min(highest, thrust)))
         return found

@@ -46,9 +46,7 @@ class ShaftModel:
 
     def load_torque(self, shaft_speed: float) -> float:
         """Return the motor torque (N m) that keeps ``shaft_speed`` (Hz): propeller torque and friction."""
-        load = (
-            self.torque_per_speed_squared * abs(shaft_speed) + self.friction_viscous
-        ) * shaft_speed
+        load = (self.torque_per_speed_squared * abs(shaft_speed) + self.friction_viscous) * shaft_speed
         if shaft_speed > 0.0:
             return load + self.friction_static
         if shaft_speed < 0.0:

@@ -7,6 +7,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from marine_model.gains import AzimuthGains
 from thruster_drivers.azimuth import AzimuthController
 

@@ -8,6 +8,7 @@ from itertools import permutations
 
 import numpy as np
 import pytest
+
 from marine_model import load_vessel
 from marine_model.errors import InputError
 from thruster_drivers import CommandReader
@@ -52,8 +53,6 @@ def test_a_limit_passed_by_rounding_is_no_news() -> None:
         ([], THRUST, AZIMUTH, "found []"),
     ],
 )
-def test_bad_commands_are_refused_with_what_was_found(
-    names: list[str], thrust: list[float], azimuth: list[float], message: str
-) -> None:
+def test_bad_commands_are_refused_with_what_was_found(names: list[str], thrust: list[float], azimuth: list[float], message: str) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         CommandReader(VESSEL).read(names, thrust, azimuth)

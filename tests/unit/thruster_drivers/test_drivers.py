@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
+
 from marine_model import load_vessel
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
-from pydantic import ValidationError
 from thruster_drivers import DriverInputs, Drivers, DriverSettings
 
 VESSEL = load_vessel("cybership3")
@@ -196,7 +198,7 @@ def test_a_lost_azimuth_stops_that_motor_and_matters_only_where_there_is_one() -
         ({}, math.nan, "dt: expected a finite number"),
     ],
 )
-def test_bad_input_is_refused_and_nothing_is_lost(change: dict[str, object], dt: float, message: str) -> None:
+def test_bad_input_is_refused_and_nothing_is_lost(change: dict[str, Any], dt: float, message: str) -> None:
     drivers, untouched = Drivers(VESSEL), Drivers(VESSEL)
     for _ in range(5):
         drivers.step(inputs(), DT)
@@ -209,6 +211,6 @@ def test_bad_input_is_refused_and_nothing_is_lost(change: dict[str, object], dt:
 
 
 @pytest.mark.parametrize("bad", [{"controller": "magic"}, {"command_timeout": -1.0}, {"command_timeout": math.nan}])
-def test_bad_settings_are_refused(bad: dict[str, object]) -> None:
+def test_bad_settings_are_refused(bad: dict[str, Any]) -> None:
     with pytest.raises(ValidationError, match=next(iter(bad))):
         DriverSettings(**bad)

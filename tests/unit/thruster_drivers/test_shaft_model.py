@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from marine_model import load_vessel
 from thruster_drivers.shaft_model import ShaftModel, shaft_models
 

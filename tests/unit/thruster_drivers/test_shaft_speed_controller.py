@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from marine_model import load_vessel
 from thruster_drivers.controllers import ShaftSpeedController
 from thruster_drivers.shaft_model import ShaftModel, shaft_models

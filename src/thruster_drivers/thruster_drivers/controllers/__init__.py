@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from marine_model.gains import DriverGains
-
 from thruster_drivers.controllers.base import ThrusterController
 from thruster_drivers.controllers.shaft_speed import ShaftSpeedController
 from thruster_drivers.shaft_model import ShaftModel

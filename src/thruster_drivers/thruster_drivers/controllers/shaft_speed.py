@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from marine_model.gains import ShaftSpeedGains
-
 from thruster_drivers.controllers.base import ThrusterController
 from thruster_drivers.shaft_model import ShaftModel
 
