@@ -1,0 +1,215 @@
+"""The drivers of all thrusters: newest command and measurements in, motor torque and azimuth rate out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from marine_model.errors import InputError
+from marine_model.guards import FloatArray, finite_vector, positive_number
+from marine_model.thruster import AzimuthThruster
+from marine_model.vessel import Vessel
+from thruster_drivers.azimuth import AzimuthController
+from thruster_drivers.controllers import ThrusterController, make_controller
+from thruster_drivers.settings import DriverSettings
+from thruster_drivers.shaft_model import shaft_models
+
+NOMINAL = "nominal"
+NO_COMMAND = "no_command"
+COMMAND_STALE = "command_stale"
+SENSOR_LOST = "sensor_lost"
+
+
+@dataclass(frozen=True, slots=True)
+class DriverInputs:
+    """What one step needs; arrays have shape (n,) in the order of the vessel file.
+
+    Attributes
+    ----------
+    thrust_command, azimuth_command
+        Newest command, N and rad. Not looked at while ``command_age`` is beyond the limit.
+    command_age
+        Time of the measurements minus time of the command, s; infinite before the first command. A command from
+        further in the future than the limit is as stale as an old one.
+    shaft_speed, torque, azimuth
+        Measured: Hz, N m, rad. NaN or infinite: that sensor is lost.
+    """
+
+    thrust_command: FloatArray
+    azimuth_command: FloatArray
+    command_age: float
+    shaft_speed: FloatArray
+    torque: FloatArray
+    azimuth: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class DriverOutput:
+    """What one step asks of the motors; arrays have shape (n,).
+
+    Attributes
+    ----------
+    torque
+        Motor torque, N m, within the motor's limit.
+    azimuth_rate
+        rad/s, within the azimuth motor's limit; 0 for a tunnel thruster.
+    command_stale
+        True while thrust is at, or on its way to, zero for want of a command.
+    shaft_speed_reference
+        n_d, Hz.
+    thrust_reference
+        The thrust being realised, N: the command, reached within the vessel's thrust rate.
+    status
+        ``nominal``, or the name of the safe state in force: ``no_command`` (none has come yet), ``command_stale``,
+        ``sensor_lost`` (a thruster runs open loop).
+    """
+
+    torque: FloatArray
+    azimuth_rate: FloatArray
+    command_stale: bool
+    shaft_speed_reference: FloatArray
+    thrust_reference: FloatArray
+    status: str
+
+
+class Drivers:
+    """Local control of all thrusters of a vessel, [Ruth] 3.4.1 and B.3.5-B.3.6.
+
+    The thrust reference starts where the shafts are found turning, and from there never moves faster than the vessel's
+    thrust rate: neither when commands stop, nor when they come back, nor when they jump.
+
+    Parameters
+    ----------
+    vessel
+        Limits, propellers, shafts and gains.
+    settings
+        Operator's options.
+    """
+
+    def __init__(self, vessel: Vessel, settings: DriverSettings | None = None) -> None:
+        self._gains = vessel.drivers
+        self._models = shaft_models(vessel)
+        self._n = len(self._models)
+        self._thrust_limits: list[tuple[float, float, float]] = [
+            (thruster.thrust.min, thruster.thrust.max, thruster.thrust.rate) for thruster in vessel.thrusters
+        ]
+        self._azimuth_controllers: list[AzimuthController | None] = [
+            AzimuthController(vessel.drivers.azimuth, thruster.azimuth_drive.rate_max) if isinstance(thruster, AzimuthThruster) else None
+            for thruster in vessel.thrusters
+        ]
+        self._controllers: list[ThrusterController] = []
+        self._controller_kind = ""
+        self._timeout = 0.0
+        self._thrust_reference: list[float] | None = None
+        self.apply(settings if settings is not None else DriverSettings())
+
+    def apply(self, settings: DriverSettings) -> None:
+        """Swap the settings as a whole; they hold from the next step on."""
+        if settings.controller != self._controller_kind:
+            self._controllers = [make_controller(settings.controller, model, self._gains) for model in self._models]
+            self._controller_kind = settings.controller
+        self._timeout = settings.command_timeout or self._gains.command_timeout
+
+    def step(self, inputs: DriverInputs, dt: float) -> DriverOutput:
+        """Advance all thrusters by ``dt`` (s).
+
+        Raises
+        ------
+        InputError
+            If ``dt`` is not above 0, an array has the wrong length, a command in force is not finite, or the command's
+            age is NaN. Nothing has changed then.
+        """
+        if not 0.0 < dt < math.inf:
+            positive_number("dt", dt)
+        age = inputs.command_age
+        if age != age:
+            raise InputError("command_age: expected a number, found nan")
+        n = self._n
+        stale = not -self._timeout <= age <= self._timeout
+        if stale:
+            thrust_command = [0.0] * n
+            azimuth_command = thrust_command
+        else:
+            thrust_command = _finite("thrust_command", inputs.thrust_command, n)
+            azimuth_command = _finite("azimuth_command", inputs.azimuth_command, n)
+        shaft_speed = _measured("shaft_speed", inputs.shaft_speed, n)
+        azimuth = _measured("azimuth", inputs.azimuth, n)
+
+        reference = self._thrust_reference
+        if reference is None:
+            reference = self._thrust_reference = self._nominal_thrust(shaft_speed)
+        torque = [0.0] * n
+        azimuth_rate = [0.0] * n
+        shaft_speed_reference = [0.0] * n
+        for j in range(n):
+            lowest, highest, rate = self._thrust_limits[j]
+            target = thrust_command[j]
+            target = lowest if target < lowest else highest if target > highest else target
+            move = rate * dt
+            thrust = reference[j]
+            change = target - thrust
+            if change > move:
+                thrust += move
+            elif change < -move:
+                thrust -= move
+            else:
+                thrust = target
+            reference[j] = thrust
+            controller = self._controllers[j]
+            torque[j] = controller.step(thrust, shaft_speed[j], dt)
+            shaft_speed_reference[j] = controller.shaft_speed_reference
+            azimuth_controller = self._azimuth_controllers[j]
+            if azimuth_controller is not None and not stale:
+                azimuth_rate[j] = azimuth_controller.rate(azimuth_command[j], azimuth[j])
+
+        if stale:
+            status = NO_COMMAND if age == math.inf else COMMAND_STALE
+        else:
+            status = SENSOR_LOST if self._sensor_lost(shaft_speed, azimuth) else NOMINAL
+        return DriverOutput(
+            np.array(torque),
+            np.array(azimuth_rate),
+            stale,
+            np.array(shaft_speed_reference),
+            np.array(reference),
+            status,
+        )
+
+    def _sensor_lost(self, shaft_speed: list[float], azimuth: list[float]) -> bool:
+        if math.isfinite(sum(shaft_speed) + sum(azimuth)):
+            return False  # the common case, at the cost of one addition
+        return not all(map(math.isfinite, shaft_speed)) or any(
+            controller is not None and not math.isfinite(angle)
+            for controller, angle in zip(self._azimuth_controllers, azimuth, strict=True)
+        )
+
+    def _nominal_thrust(self, shaft_speed: list[float]) -> list[float]:
+        """Thrust the shafts now give, so that a driver that starts under way does not jerk."""
+        found = []
+        for model, speed, (lowest, highest, _) in zip(self._models, shaft_speed, self._thrust_limits, strict=True):
+            thrust = model.thrust(speed) if math.isfinite(speed) else 0.0
+            found.append(max(lowest, min(highest, thrust)))
+        return found
+
+
+def _finite(name: str, value: FloatArray, n: int) -> list[float]:
+    """Return ``value`` as a list; the quick test for the common case, the shared guard for the rest."""
+    try:
+        values: list[float] = value.tolist()
+        if len(values) == n and math.isfinite(sum(values)):
+            return values
+    except (AttributeError, TypeError):
+        pass
+    checked: list[float] = finite_vector(name, value, n).tolist()
+    return checked
+
+
+def _measured(name: str, value: FloatArray, n: int) -> list[float]:
+    """Return ``value`` as a list of ``n`` floats, NaN allowed. Raises InputError."""
+    array = np.asarray(value, dtype=np.float64)
+    if array.shape != (n,):
+        raise InputError(f"{name}: expected shape ({n},), found {array.shape}")
+    values: list[float] = array.tolist()
+    return values

@@ -1,0 +1,159 @@
+"""The drivers as a ROS 2 node: commands and feedback in, actuator setpoints out."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from typing import Any
+
+import numpy as np
+from dp_msgs.msg import ActuatorSetpoint, ThrusterFeedback
+from dp_msgs.msg import ThrusterCommand as ThrusterCommandMessage
+
+from dp_node import DpNode, Health, Level, StampSequence, from_nanoseconds, run_node, to_nanoseconds
+from dp_node.stamps import seconds_between
+from marine_model.errors import InputError
+from marine_model.frames import BODY_FRAME
+from marine_model.guards import FloatArray
+from marine_model.vessel import Vessel
+from thruster_drivers.command import CommandReader, ThrusterCommand
+from thruster_drivers.drivers import COMMAND_STALE, NO_COMMAND, NOMINAL, SENSOR_LOST, DriverInputs, DriverOutput, Drivers
+from thruster_drivers.settings import DriverSettings
+
+_MEANING = {
+    NOMINAL: (Level.OK, "nominal"),
+    NO_COMMAND: (Level.WARN, "no thruster_command yet: no thrust"),
+    COMMAND_STALE: (Level.WARN, "thruster_command is stale: thrust is ramped to zero, azimuth held"),
+    SENSOR_LOST: (Level.ERROR, "thruster_feedback is not finite: that thruster runs open loop"),
+}
+
+
+class DriversNode(DpNode[DriverSettings]):
+    """Answers every thruster_feedback with an actuator_setpoint, and every thruster_command with a re-issue of the last one."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("thruster_drivers", **kwargs)
+        self._feedback_reported = 0
+
+    def default_settings(self, vessel: Vessel) -> DriverSettings:
+        """Return the core's settings with the vessel's timeout, so that the parameter shows the number in force."""
+        return DriverSettings(command_timeout=vessel.drivers.command_timeout)
+
+    def build(self) -> None:
+        """Make core, publisher and subscriptions."""
+        self._core = Drivers(self.vessel, self.settings)
+        self._reader = CommandReader(self.vessel)
+        self._names = list(self.vessel.thruster_names)
+        self._none: FloatArray = np.zeros(len(self._names))
+        self._publisher = self.publish_on(ActuatorSetpoint, "actuator_setpoint")
+        self._forget()
+        self.listen(ThrusterFeedback, "thruster_feedback", self._on_feedback)
+        self.listen(ThrusterCommandMessage, "thruster_command", self._on_command)
+
+    def apply(self, settings: DriverSettings) -> None:
+        """Hand changed settings to the core."""
+        self._core.apply(settings)
+
+    def started(self) -> None:
+        """Begin as after the first start: an activation knows no command and no thrust reference."""
+        self._core = Drivers(self.vessel, self.settings)
+        self._forget()
+
+    def stopped(self) -> None:
+        """Leave the motors without torque: nobody will answer their feedback from now on."""
+        self._torque = self._azimuth_rate = self._none
+        if self._feedback_stamps.last is not None:
+            self._publish(self._feedback_stamps.last, stale=True)
+
+    def health(self) -> Health:
+        """Return status of the last step and counts."""
+        quiet = self._feedback_count == self._feedback_reported
+        self._feedback_reported = self._feedback_count
+        level, message = _MEANING[self._status]
+        if quiet:
+            level, message = Level.WARN, "no thruster_feedback: no actuator_setpoint"
+        values: dict[str, object] = {
+            "status": self._status,
+            "command_age_s": self._command_age,
+            "commands": self._command_count,
+            "clipped_commands": self._clipped_count,
+            "last_clipped": " ".join(self._last_clipped),
+            "feedback": self._feedback_count,
+        }
+        return Health(level, message, values)
+
+    def _forget(self) -> None:
+        self._feedback_stamps = StampSequence("thruster_feedback")
+        self._command_stamps = StampSequence("thruster_command")
+        self._command = ThrusterCommand(self._none, self._none, ())
+        self._torque = self._azimuth_rate = self._none
+        self._status = NO_COMMAND
+        self._command_age = math.inf
+        self._command_count = 0
+        self._clipped_count = 0
+        self._last_clipped: tuple[str, ...] = ()
+        self._feedback_count = 0
+        self._feedback_reported = 0
+
+    def _on_command(self, message: Any) -> None:
+        command = self._reader.read(message.name, message.thrust, message.azimuth)
+        self._refuse_future(to_nanoseconds(message.header.stamp))
+        self._command_stamps.step(message.header.stamp, 0.0)
+        self._command = command
+        self._command_count += 1
+        if command.clipped:
+            self._clipped_count += 1
+            self._last_clipped = command.clipped
+        # The motors' side learns at once which command is in force; torque and rate follow with the next feedback.
+        self._publish(to_nanoseconds(message.header.stamp), stale=False)
+
+    def _refuse_future(self, stamp: int) -> None:
+        """Refuse a command that is ahead of the feedback: taken, it would make every later one jump back."""
+        last, limit = self._feedback_stamps.last, self.settings.command_timeout or self.vessel.drivers.command_timeout
+        if last is not None and seconds_between(last, stamp) > limit:
+            raise InputError(
+                f"thruster_command: expected a time stamp at most {limit} s after the last thruster_feedback, "
+                f"at {last * 1e-9:.3f} s, found {stamp * 1e-9:.3f} s"
+            )
+
+    def _on_feedback(self, message: Any) -> None:
+        order = self._reader.order(message.name)
+        shaft_speed = self._reader.in_order("shaft_speed", message.shaft_speed, order)
+        torque = self._reader.in_order("torque", message.torque, order)
+        azimuth = self._reader.in_order("azimuth", message.azimuth, order)
+        dt = self._feedback_stamps.step(message.header.stamp, self.vessel.simulation.time_step)
+        stamp = to_nanoseconds(message.header.stamp)
+        command_stamp = self._command_stamps.last
+        age = math.inf if command_stamp is None else seconds_between(command_stamp, stamp)
+        command = self._command
+        output = self._core.step(DriverInputs(command.thrust, command.azimuth, age, shaft_speed, torque, azimuth), dt)
+        self._torque, self._azimuth_rate = output.torque, output.azimuth_rate
+        self._command_age = age
+        self._feedback_count += 1
+        self._publish(stamp, output.command_stale)
+        if output.status != self._status:
+            self._report(output)
+
+    def _report(self, output: DriverOutput) -> None:
+        self._status = output.status
+        level, message = _MEANING[output.status]
+        if level is Level.OK:
+            self.get_logger().info(message)
+        else:
+            self.get_logger().warning(message)
+
+    def _publish(self, stamp: int, stale: bool) -> None:
+        message = ActuatorSetpoint()
+        message.header.stamp = from_nanoseconds(stamp)
+        message.header.frame_id = BODY_FRAME
+        message.command_stamp = from_nanoseconds(self._command_stamps.last or 0)
+        message.command_stale = stale
+        message.name = self._names
+        message.torque = array("d", self._torque.tobytes())
+        message.azimuth_rate = array("d", self._azimuth_rate.tobytes())
+        self._publisher.publish(message)
+
+
+def main() -> None:
+    """Run the node until SIGINT or SIGTERM."""
+    run_node(DriversNode)

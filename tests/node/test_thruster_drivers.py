@@ -1,0 +1,266 @@
+"""The drivers' node over real DDS: what it answers, refuses, and says of itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from dp_msgs.msg import ActuatorSetpoint, ThrusterCommand, ThrusterFeedback
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from dp_node import RING, RingExecutor, from_nanoseconds, to_nanoseconds
+from marine_model import load_vessel
+from support.waiting import wait_until
+from thruster_drivers import DriverInputs, Drivers
+from thruster_drivers.node import DriversNode
+
+VESSEL = load_vessel("cybership3")
+NAMES = list(VESSEL.thruster_names)
+STEP = 20_000_000  # ns
+START = 5_000_000_000
+THRUST = [0.3, 5.0, -6.0, 7.0]
+AZIMUTH = [math.pi / 2, 1.0, 2.0, 3.0]
+REST = [0.0] * 4
+
+
+class Bench:
+    """The node under test, and a node beside it that plays allocator and thrusters."""
+
+    def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
+        self.executor = RingExecutor()
+        self.node = DriversNode(parameter_overrides=list(overrides))
+        self.peer = Node("bench")
+        self.setpoints: list[ActuatorSetpoint] = []
+        self.diagnostics: list[Any] = []
+        self.commands = self.peer.create_publisher(ThrusterCommand, "thruster_command", RING)
+        self.feedback = self.peer.create_publisher(ThrusterFeedback, "thruster_feedback", RING)
+        self.peer.create_subscription(ActuatorSetpoint, "actuator_setpoint", self.setpoints.append, RING)
+        self.peer.create_subscription(DiagnosticArray, "/diagnostics", lambda m: self.diagnostics.extend(m.status), RING)
+        self.executor.add_node(self.node)
+        self.executor.add_node(self.peer)
+        self.node.start()
+        self.until(
+            lambda: (
+                self.commands.get_subscription_count() == 1
+                and self.feedback.get_subscription_count() == 1
+                and self.peer.count_publishers("actuator_setpoint") == 1
+                and self.node.count_subscribers("actuator_setpoint") == 1
+            )
+        )
+
+    def close(self) -> None:
+        self.executor.shutdown()
+        self.node.destroy_node()
+        self.peer.destroy_node()
+
+    def until(self, condition: Callable[[], object]) -> None:
+        wait_until(condition, spin=lambda s: self.executor.spin_once(timeout_sec=s))
+
+    def command(
+        self, stamp: int, thrust: Sequence[float] = THRUST, azimuth: Sequence[float] = AZIMUTH, names: Sequence[str] = NAMES
+    ) -> None:
+        message = ThrusterCommand(name=list(names), thrust=list(thrust), azimuth=list(azimuth))
+        message.header.stamp = from_nanoseconds(stamp)
+        self.commands.publish(message)
+
+    def measure(self, stamp: int, shaft_speed: Sequence[float] = REST, names: Sequence[str] = NAMES) -> None:
+        message = ThrusterFeedback(name=list(names), shaft_speed=list(shaft_speed))
+        message.torque = message.power = message.azimuth_rate = REST
+        message.azimuth = [AZIMUTH[NAMES.index(name)] for name in names]
+        message.header.stamp = from_nanoseconds(stamp)
+        self.feedback.publish(message)
+
+    def answer(self, send: Callable[[], None]) -> ActuatorSetpoint:
+        """Send one message and return the one setpoint it brings."""
+        before = len(self.setpoints)
+        send()
+        self.until(lambda: len(self.setpoints) > before)
+        assert len(self.setpoints) == before + 1
+        return self.setpoints[-1]
+
+    def refused(self, send: Callable[[], None]) -> str:
+        """Send one message that must be refused; return the reason. No setpoint may come of it, and diagnostics count it."""
+        before = len(self.setpoints)
+        count = self.node._refused
+        send()
+        self.until(lambda: self.node._refused == count + 1)
+        assert self.health()[2]["refused_inputs"] == str(count + 1)
+        assert len(self.setpoints) == before
+        return str(self.node._last_refusal)
+
+    def health(self) -> tuple[int, str, dict[str, str]]:
+        self.diagnostics.clear()
+        self.node.publish_diagnostics()
+        self.until(lambda: self.diagnostics)
+        status = self.diagnostics[-1]
+        return int.from_bytes(status.level, "little"), status.message, {v.key: v.value for v in status.values}
+
+
+@pytest.fixture
+def ros(ros_domain_id: int) -> Iterator[None]:
+    rclpy.init()
+    yield
+    rclpy.shutdown()
+
+
+@pytest.fixture
+def bench(ros: None) -> Iterator[Bench]:
+    made = Bench()
+    yield made
+    made.close()
+
+
+def test_answers_are_the_cores_with_stamps_and_names(bench: Bench) -> None:
+    core = Drivers(VESSEL)
+    acknowledged = bench.answer(lambda: bench.command(START))
+    assert to_nanoseconds(acknowledged.command_stamp) == START
+    assert list(acknowledged.torque) == REST
+    assert not acknowledged.command_stale
+    speed = [1.0, 2.0, -3.0, 4.0]
+    for k in range(20):
+        stamp = START + k * STEP
+        answer = bench.answer(partial(bench.measure, stamp, speed))
+        expected = core.step(
+            DriverInputs(np.array(THRUST), np.array(AZIMUTH), k * 0.02, np.array(speed), np.zeros(4), np.array(AZIMUTH)),
+            0.02,
+        )
+        assert to_nanoseconds(answer.header.stamp) == stamp
+        assert to_nanoseconds(answer.command_stamp) == START
+        assert list(answer.name) == NAMES
+        assert list(answer.torque) == pytest.approx(expected.torque.tolist(), rel=1e-12)  # dt's rounding
+        assert list(answer.azimuth_rate) == expected.azimuth_rate.tolist()
+        assert not answer.command_stale
+    # A new command is acknowledged with the last torque, without a control step.
+    again = bench.answer(lambda: bench.command(START + 20 * STEP))
+    assert list(again.torque) == list(answer.torque)
+    assert to_nanoseconds(again.command_stamp) == START + 20 * STEP
+
+
+def test_names_in_another_order_mean_the_same(bench: Bench) -> None:
+    order = [2, 0, 3, 1]
+    names = [NAMES[i] for i in order]
+    bench.answer(lambda: bench.command(START, [THRUST[i] for i in order], [AZIMUTH[i] + 0.1 for i in order], names))
+    speed = [1.0, 2.0, -3.0, 4.0]
+    answer = bench.answer(lambda: bench.measure(START, [speed[i] for i in order], names))
+    expected = Drivers(VESSEL).step(
+        DriverInputs(np.array(THRUST), np.array(AZIMUTH) + 0.1, 0.0, np.array(speed), np.zeros(4), np.array(AZIMUTH)), 0.02
+    )
+    assert list(answer.torque) == expected.torque.tolist()
+    assert list(answer.azimuth_rate) == expected.azimuth_rate.tolist()
+
+
+def test_no_command_then_stale_then_recovered(bench: Bench) -> None:
+    first = bench.answer(lambda: bench.measure(START))
+    assert first.command_stale
+    assert list(first.torque) == REST
+    assert to_nanoseconds(first.command_stamp) == 0
+    assert bench.health()[1] == "no thruster_command yet: no thrust"
+
+    bench.answer(lambda: bench.command(START))
+    stamp = START
+    for _ in range(5):
+        stamp += STEP
+        assert not bench.answer(partial(bench.measure, stamp)).command_stale
+    assert bench.health()[:2] == (0, "nominal")
+
+    stamp += round(VESSEL.drivers.command_timeout * 1e9)
+    assert bench.answer(lambda: bench.measure(stamp)).command_stale
+    level, message, values = bench.health()
+    assert (level, message) == (1, "thruster_command is stale: thrust is ramped to zero, azimuth held")
+    assert float(values["command_age_s"]) == pytest.approx(1.1)
+
+    bench.answer(lambda: bench.command(stamp))
+    stamp += STEP
+    assert not bench.answer(lambda: bench.measure(stamp)).command_stale
+    assert bench.health()[:2] == (0, "nominal")
+
+
+@pytest.mark.parametrize(
+    ("thrust", "azimuth", "names", "reason"),
+    [
+        ([math.nan, 0.0, 0.0, 0.0], AZIMUTH, NAMES, "thrust: expected finite numbers, found [nan, 0.0, 0.0, 0.0]"),
+        (THRUST, [0.0, 0.0, 0.0, math.inf], NAMES, "azimuth: expected finite numbers"),
+        (THRUST[:2], AZIMUTH, NAMES, "thrust: expected shape (4,), found (2,)"),
+        (THRUST, AZIMUTH, [*NAMES[:3], "rudder"], "name: expected ['tunnel_bow'"),
+    ],
+)
+def test_a_bad_command_is_refused_and_the_last_good_one_kept(
+    bench: Bench, thrust: list[float], azimuth: list[float], names: list[str], reason: str
+) -> None:
+    core = Drivers(VESSEL)
+    bench.answer(lambda: bench.command(START))
+    bench.answer(lambda: bench.measure(START))
+    assert reason in bench.refused(lambda: bench.command(START + STEP, thrust, azimuth, names))
+    answer = bench.answer(lambda: bench.measure(START + STEP))
+    for age in (0.0, 0.02):
+        expected = core.step(DriverInputs(np.array(THRUST), np.array(AZIMUTH), age, np.zeros(4), np.zeros(4), np.array(AZIMUTH)), 0.02)
+    assert to_nanoseconds(answer.command_stamp) == START
+    assert list(answer.torque) == pytest.approx(expected.torque.tolist(), rel=1e-12)  # dt's rounding
+
+
+def test_a_command_beyond_the_limits_is_clipped_and_counted(bench: Bench) -> None:
+    bench.answer(lambda: bench.command(START, [9.0, 5.0, -60.0, 7.0]))
+    bench.answer(lambda: bench.measure(START))
+    _, message, values = bench.health()
+    assert message == "nominal"
+    assert values["clipped_commands"] == "1"
+    assert values["last_clipped"] == "tunnel_bow azimuth_port"
+
+
+def test_stamps_that_jump_are_refused(bench: Bench) -> None:
+    bench.answer(lambda: bench.command(START))
+    bench.answer(lambda: bench.measure(START))
+    assert "thruster_feedback: expected a time stamp after 5.000 s, found 4.980 s" in bench.refused(lambda: bench.measure(START - STEP))
+    assert "thruster_command: expected a time stamp after 5.000 s, found 4.000 s" in bench.refused(
+        lambda: bench.command(START - 1_000_000_000)
+    )
+    assert "expected a time stamp at most 1.0 s after the last thruster_feedback, at 5.000 s, found 9.000 s" in bench.refused(
+        lambda: bench.command(9_000_000_000)
+    )
+    assert to_nanoseconds(bench.answer(lambda: bench.command(START + STEP)).command_stamp) == START + STEP
+    assert to_nanoseconds(bench.answer(lambda: bench.measure(START + STEP)).header.stamp) == START + STEP
+
+
+def test_feedback_of_the_wrong_length_is_refused_and_a_lost_sensor_is_not(bench: Bench) -> None:
+    bench.answer(lambda: bench.command(START))
+    assert "shaft_speed: expected shape (4,), found (3,)" in bench.refused(lambda: bench.measure(START, REST[:3]))
+    answer = bench.answer(lambda: bench.measure(START, [0.0, math.nan, 0.0, 0.0]))
+    assert np.isfinite(answer.torque).all()
+    level, message, _ = bench.health()
+    assert level == 2
+    assert "open loop" in message
+
+
+def test_timeout_is_a_live_parameter_and_a_bad_one_is_refused(bench: Bench) -> None:
+    bench.answer(lambda: bench.command(START))
+    assert bench.node.get_parameter("command_timeout").value == VESSEL.drivers.command_timeout
+    result = bench.node.set_parameters([Parameter("command_timeout", value=-1.0)])[0]
+    assert not result.successful
+    result = bench.node.set_parameters([Parameter("controller", value="magic")])[0]
+    assert not result.successful
+    assert "controller" in result.reason
+    assert not bench.answer(lambda: bench.measure(START + 5 * STEP)).command_stale
+    assert bench.node.set_parameters([Parameter("command_timeout", value=0.1)])[0].successful
+    assert bench.answer(lambda: bench.measure(START + 6 * STEP)).command_stale
+
+
+def test_deactivation_leaves_the_motors_without_torque(bench: Bench) -> None:
+    bench.answer(lambda: bench.command(START))
+    moving = bench.answer(lambda: bench.measure(START))
+    assert any(moving.torque)
+    last = bench.answer(bench.node.trigger_deactivate)
+    assert list(last.torque) == REST
+    assert list(last.azimuth_rate) == REST
+    assert last.command_stale
+    bench.node.trigger_activate()
+    # An earlier stamp is welcome after a new start, and the old command is forgotten.
+    answer = bench.answer(lambda: bench.measure(STEP))
+    assert answer.command_stale
+    assert to_nanoseconds(answer.command_stamp) == 0
