@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from marine_model.errors import InputError
 from marine_model.vessel import Vessel
 
@@ -44,9 +45,9 @@ class Hull:
                 f"simulation.time_step: expected at most {_STEP_TIMES_RATE_MAX / fastest:.3g} s, "
                 f"{_STEP_TIMES_RATE_MAX} of the shortest time constant of the hull, found {time_step} s"
             )
-        self._mass = tuple(mass.ravel().tolist())
-        self._inverse = tuple(inverse.ravel().tolist())
-        self._damping = tuple(damping.ravel().tolist())
+        self._mass: tuple[float, ...] = tuple(mass.ravel().tolist())
+        self._inverse: tuple[float, ...] = tuple(inverse.ravel().tolist())
+        self._damping: tuple[float, ...] = tuple(damping.ravel().tolist())
         self._quadratic = tuple(data.quadratic_damping)
 
     def hydrodynamic_force(self, u: float, v: float, r: float) -> Triple:
@@ -85,7 +86,5 @@ class Hull:
         """Return the energy (J) of hull and entrained water in the frame of the water."""
         m11, m12, m13, m21, m22, m23, m31, m32, m33 = self._mass
         return 0.5 * (
-            u * (m11 * u + m12 * v + m13 * r)
-            + v * (m21 * u + m22 * v + m23 * r)
-            + r * (m31 * u + m32 * v + m33 * r)
+            u * (m11 * u + m12 * v + m13 * r) + v * (m21 * u + m22 * v + m23 * r) + r * (m31 * u + m32 * v + m33 * r)
         )

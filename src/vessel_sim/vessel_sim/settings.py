@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Self
 
-from marine_model.settings import Settings, setting
 from pydantic import model_validator
+
+from marine_model.settings import Settings, setting
 
 GRAVITY = 9.81  # m/s^2
 _BREAKING_STEEPNESS = 1.0 / 7.0  # height over length of the steepest wave that does not break (Michell)

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+
 from marine_model.errors import InputError
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
-
 from vessel_sim.azimuth_servo import azimuth_servos
 from vessel_sim.hull import Hull, Triple
 from vessel_sim.noise import noise_streams
@@ -194,9 +194,7 @@ class Simulator:
         pose = None
         if chance < kept:
             north, east, heading = self._position
-            w_north, w_east, w_heading = self._waves.motion(
-                self._position, self._velocity_ned(), self._time
-            )[0]
+            w_north, w_east, w_heading = self._waves.motion(self._position, self._velocity_ned(), self._time)[0]
             if self._settings.sensor_noise:
                 w_north += data.position_noise * e_north
                 w_east += data.position_noise * e_east
@@ -241,7 +239,7 @@ class Simulator:
         if shape != (self._n,):
             raise InputError(f"{name}: expected shape ({self._n},), found {shape or value!r}")
         numbers: list[float] = value.tolist()
-        if not math.isfinite(sum(numbers)):
+        if not all(map(math.isfinite, numbers)):
             raise InputError(f"{name}: expected finite numbers, found {numbers}")
         return numbers
 
@@ -284,9 +282,7 @@ class Simulator:
         heading2 = heading + dt * r
         c2, s2 = math.cos(heading2), math.sin(heading2)
         wx, wy, wn = drift(c2, s2)
-        du2, dv2, dr2 = acceleration(
-            u2, v2, r2, force_after[0] + wx, force_after[1] + wy, force_after[2] + wn
-        )
+        du2, dv2, dr2 = acceleration(u2, v2, r2, force_after[0] + wx, force_after[1] + wy, force_after[2] + wn)
 
         half = 0.5 * dt
         self._position = (
@@ -327,6 +323,4 @@ class Simulator:
             azimuth.append(wrap_angle(angle))
         rows = np.array([speed, self._torque, power, azimuth, self._azimuth_rate])
         motion = np.array([self._position, self._velocity()])
-        return SimulatorOutput(
-            self._time, motion[0], motion[1], rows[0], rows[1], rows[2], rows[3], rows[4]
-        )
+        return SimulatorOutput(self._time, motion[0], motion[1], rows[0], rows[1], rows[2], rows[3], rows[4])

@@ -15,7 +15,6 @@ import math
 from dataclasses import dataclass
 
 from marine_model.vessel import Vessel
-
 from vessel_sim.settings import GRAVITY, WaveSettings
 
 Triple = tuple[float, float, float]
@@ -105,9 +104,8 @@ class WaveTrain:
     @property
     def growth(self) -> float:
         """Rate of change of the amplitude now, m/s."""
-        return math.copysign(self._rate, self.target - self.amplitude) if self.ramping else 0.0
+        return math.copysign(self._rate, self.target - self.amplitude) if self.ramping() else 0.0
 
-    @property
     def ramping(self) -> bool:
         """True until the amplitude has reached its target."""
         return self.amplitude != self.target
@@ -156,14 +154,14 @@ class Waves:
         self._drop_the_dead()
 
     def _drop_the_dead(self) -> None:
-        self._trains = [t for t in self._trains if t.ramping or t.target > 0.0]
+        self._trains = [t for t in self._trains if t.ramping() or t.target > 0.0]
 
     def advance(self, dt: float) -> None:
         """Move the amplitudes on by ``dt`` (s)."""
         for train in self._trains:
-            if train.ramping:
+            if train.ramping():
                 train.advance(dt)
-                if not train.ramping and train.target == 0.0:
+                if not train.ramping() and train.target == 0.0:
                     self._drop_the_dead()
 
     def elevation(self, north: float, east: float, time: float) -> float:
@@ -183,9 +181,7 @@ class Waves:
             n += dn * squared * 2.0 * sin_b * cos_b
         return x, y, n
 
-    def motion(
-        self, position: Triple, velocity: tuple[float, float], time: float
-    ) -> tuple[Triple, Triple]:
+    def motion(self, position: Triple, velocity: tuple[float, float], time: float) -> tuple[Triple, Triple]:
         """Return the first-order displacement (m, m, rad in NED) and its rate of change.
 
         Parameters
@@ -206,10 +202,7 @@ class Waves:
             sin_b = train.sin_beta * c - train.cos_beta * s
             surge, sway, yaw = self._form.response(train.wave_number, cos_b, sin_b)
             theta = train.phase(north, east, time)
-            theta_dot = (
-                train.wave_number * (velocity[0] * train.cos_beta + velocity[1] * train.sin_beta)
-                - train.omega
-            )
+            theta_dot = train.wave_number * (velocity[0] * train.cos_beta + velocity[1] * train.sin_beta) - train.omega
             sin_t, cos_t = math.sin(theta), math.cos(theta)
             a, a_dot = train.amplitude, train.growth
             along = -a * sin_t
