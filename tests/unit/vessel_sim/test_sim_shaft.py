@@ -135,5 +135,6 @@ def test_full_torque_reversals_of_every_thruster_stay_bounded(name: str, steps: 
 @given(speed=speeds, friction=frictions, dt=durations)
 def test_without_torque_a_shaft_only_loses_energy(speed: float, friction: tuple[float, float], dt: float) -> None:
     after = Shaft(INERTIA, LOAD, *friction).advance(speed, 0.0, dt)
-    assert abs(after) <= abs(speed)
+    # Completing the square costs rounding of the offset Q_v / (2 c), 40 Hz at most here.
+    assert abs(after) <= abs(speed) + 40.0 * 1e-15
     assert after * speed >= 0.0
