@@ -1,0 +1,46 @@
+"""Seeded noise in a fixed order.
+
+Poses and thruster sensors have a stream each, so that neither shifts the other's draws. Rows are drawn in blocks
+for speed, and used up whether noise is on or off: switching it changes nothing that comes later.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+_BLOCK = 1024
+
+
+class NoiseStream:
+    """Rows of independent standard normal numbers, each with one uniform number.
+
+    Parameters
+    ----------
+    sequence
+        Seed of this stream.
+    width
+        Normal numbers a row.
+    """
+
+    def __init__(self, sequence: np.random.SeedSequence, width: int) -> None:
+        self._generator = np.random.Generator(np.random.PCG64(sequence))
+        self._width = width
+        self._next = _BLOCK
+        self._normal: list[list[float]] = []
+        self._uniform: list[float] = []
+
+    def row(self) -> tuple[list[float], float]:
+        """Return the next ``width`` normal numbers and the uniform number in [0, 1) that goes with them."""
+        if self._next == _BLOCK:
+            self._normal = self._generator.standard_normal((_BLOCK, self._width)).tolist()
+            self._uniform = self._generator.random(_BLOCK).tolist()
+            self._next = 0
+        i = self._next
+        self._next = i + 1
+        return self._normal[i], self._uniform[i]
+
+
+def noise_streams(seed: int, *widths: int) -> tuple[NoiseStream, ...]:
+    """Return independent streams, one for each of ``widths``."""
+    children = np.random.SeedSequence(seed).spawn(len(widths))
+    return tuple(NoiseStream(child, width) for child, width in zip(children, widths, strict=True))

@@ -1,0 +1,81 @@
+"""Settings of the simulator: the sea, the sensors, and where the run begins."""
+
+from __future__ import annotations
+
+import math
+from typing import Self
+
+from pydantic import model_validator
+
+from marine_model.settings import Settings, setting
+
+GRAVITY = 9.81  # m/s^2
+_BREAKING_STEEPNESS = 1.0 / 7.0  # height over length of the steepest wave that does not break (Michell)
+
+
+class WaveSettings(Settings):
+    """Regular long-crested waves in deep water."""
+
+    amplitude: float = setting(0.0, "Wave amplitude, half of the height", unit="m", ge=0.0)
+    period: float = setting(1.0, "Wave period seen from a fixed point", unit="s", ge=0.01)
+    direction: float = setting(
+        math.pi,
+        "Direction in NED that the waves travel towards; pi is head seas for a ship heading north",
+        unit="rad",
+        ge=-2.0 * math.pi,
+        le=2.0 * math.pi,
+    )
+    ramp: float = setting(
+        2.0, "Time in which the waves grow or die down, at the start and after a change", unit="s", ge=0.0
+    )
+
+    @property
+    def wave_number(self) -> float:
+        """Deep-water wave number omega^2 / g, rad/m."""
+        return (2.0 * math.pi / self.period) ** 2 / GRAVITY
+
+    @model_validator(mode="after")
+    def _does_not_break(self) -> Self:
+        steepness = self.amplitude * self.wave_number / math.pi
+        if steepness > _BREAKING_STEEPNESS:
+            raise ValueError(
+                "waves.amplitude and waves.period: expected height over length at most 1/7, where waves break, "
+                f"found {steepness:.3f} from {self.amplitude} m and {self.period} s"
+            )
+        return self
+
+
+class CurrentSettings(Settings):
+    """Uniform current."""
+
+    speed: float = setting(0.0, "Current speed", unit="m/s", ge=0.0)
+    direction: float = setting(
+        0.0,
+        "Direction in NED that the current sets towards",
+        unit="rad",
+        ge=-2.0 * math.pi,
+        le=2.0 * math.pi,
+    )
+
+
+class InitialState(Settings):
+    """Where the vessel lies, at rest over ground, when the run begins."""
+
+    north: float = setting(0.0, "Position north at the start", unit="m", read_only=True)
+    east: float = setting(0.0, "Position east at the start", unit="m", read_only=True)
+    heading: float = setting(
+        0.0, "Heading at the start", unit="rad", ge=-2.0 * math.pi, le=2.0 * math.pi, read_only=True
+    )
+
+
+class SimulatorSettings(Settings):
+    """Everything about a run that is not the vessel."""
+
+    waves: WaveSettings = WaveSettings()
+    current: CurrentSettings = CurrentSettings()
+    initial: InitialState = InitialState()
+    seed: int = setting(0, "Seed of all sensor noise and dropout", ge=0, read_only=True)
+    sensor_noise: bool = setting(True, "Sensors have the noise that the vessel file gives them")
+    pose_dropout: float = setting(
+        0.0, "Chance that a pose is lost, on top of the vessel file's dropout", ge=0.0, le=1.0
+    )

@@ -1,0 +1,326 @@
+"""The simulated vessel: from actuator set points to motion and measurements."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from marine_model.errors import InputError
+from marine_model.frames import wrap_angle
+from marine_model.guards import FloatArray
+from marine_model.vessel import Vessel
+from vessel_sim.azimuth_servo import azimuth_servos
+from vessel_sim.hull import Hull, Triple
+from vessel_sim.noise import noise_streams
+from vessel_sim.settings import SimulatorSettings
+from vessel_sim.shaft import shafts
+from vessel_sim.waves import HullForm, Waves
+
+_TWO_PI = 2.0 * math.pi
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatorInputs:
+    """Set points of the motors, held over the step; arrays of shape (n,)."""
+
+    torque: FloatArray  # N m; the motor limits it
+    azimuth_rate: FloatArray  # rad/s; the servo limits it, a tunnel thruster has none
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatorOutput:
+    """Thruster sensors, and the true low-frequency motion, at one instant."""
+
+    time: float  # s since the start
+    position: FloatArray  # (3,) true low-frequency north (m), east (m), heading (rad, not wrapped)
+    velocity: FloatArray  # (3,) true low-frequency velocity over ground in the body frame
+    shaft_speed: FloatArray  # (n,) Hz, measured
+    torque: FloatArray  # (n,) N m, motor torque delivered during the step that ended now
+    power: FloatArray  # (n,) W, developed power 2 pi n Q, [Ruth] (B.3)
+    azimuth: FloatArray  # (n,) rad in [-pi, pi), measured
+    azimuth_rate: FloatArray  # (n,) rad/s
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatorTruth:
+    """What no sensor shows, at one instant; vectors of shape (3,) unless noted."""
+
+    time: float
+    position: FloatArray  # low-frequency, m, m, rad in NED
+    velocity: FloatArray  # low-frequency, over ground, m/s, m/s, rad/s in the body frame
+    wave_position: FloatArray  # first-order displacement, m, m, rad in NED
+    wave_velocity: FloatArray  # its rate of change, m/s, m/s, rad/s in NED
+    wave_force: FloatArray  # mean drift, N, N, N m in the body frame
+    current_force: FloatArray  # hydrodynamic force less what it would be without current, body frame
+    thruster_force: FloatArray  # N, N, N m in the body frame
+    thrust: FloatArray  # (n,) N
+    azimuth: FloatArray  # (n,) rad in [-pi, pi)
+    shaft_speed: FloatArray  # (n,) Hz
+
+
+class Simulator:
+    """A vessel at rest over ground at the start, with stopped shafts and azimuths in their fixed directions.
+
+    One step holds the set points. Shafts and azimuth servos are solved exactly; the hull is integrated with Heun's
+    method (explicit trapezoidal rule) between the thruster and wave forces at both ends of the step: order 2.
+
+    Parameters
+    ----------
+    vessel
+        The vessel.
+    settings
+        Sea, sensors, start.
+
+    Raises
+    ------
+    InputError
+        If the time step of the vessel is too long for its hull.
+    """
+
+    def __init__(self, vessel: Vessel, settings: SimulatorSettings | None = None) -> None:
+        settings = settings or SimulatorSettings()
+        self._hull = Hull(vessel)
+        self._waves = Waves(HullForm.of(vessel), settings.waves)
+        self._shafts = shafts(vessel)
+        self._servos = azimuth_servos(vessel)
+        self._lever_x: list[float] = vessel.lever_x.tolist()
+        self._lever_y: list[float] = vessel.lever_y.tolist()
+        self._thrust_factor: list[float] = vessel.propellers.thrust_per_speed_squared.tolist()
+        self._torque_max = [t.shaft.torque_max for t in vessel.thrusters]
+        self._time_step = vessel.simulation.time_step
+        self._measurement = vessel.measurement
+
+        n = len(vessel.thrusters)
+        self._n = n
+        self._pose_noise, self._thruster_noise = noise_streams(settings.seed, 3, 2 * n)
+        self._measured: tuple[float, FloatArray | None] | None = None
+
+        self._time = 0.0
+        start = settings.initial
+        self._position: Triple = (start.north, start.east, start.heading)
+        self._relative: Triple = (0.0, 0.0, 0.0)  # velocity through the water, body frame
+        self._current = (0.0, 0.0)  # NED
+        self._speed = [0.0] * n
+        self._torque = [0.0] * n
+        self._azimuth: list[float] = vessel.fixed_direction.tolist()
+        self._azimuth_rate = [0.0] * n
+        self._thruster_force: Triple = (0.0, 0.0, 0.0)
+        self._settings = settings
+        self.apply(settings)
+        self._output = self._observe()
+
+    @property
+    def settings(self) -> SimulatorSettings:
+        """Settings in force."""
+        return self._settings
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the start, s."""
+        return self._time
+
+    @property
+    def output(self) -> SimulatorOutput:
+        """What the last step returned; before the first, the state at the start."""
+        return self._output
+
+    def apply(self, settings: SimulatorSettings) -> None:
+        """Take over ``settings`` from the next step on; waves ramp, the velocity over ground does not jump.
+
+        Raises
+        ------
+        InputError
+            If they differ in what is fixed at the start (seed, initial); nothing is changed then.
+        """
+        for name in ("seed", "initial"):
+            now, asked = getattr(self._settings, name), getattr(settings, name)
+            if now != asked:
+                raise InputError(f"{name}: cannot change during a run, expected {now}, found {asked}")
+        heading = self._position[2]
+        c, s = math.cos(heading), math.sin(heading)
+        current = settings.current
+        north = current.speed * math.cos(current.direction)
+        east = current.speed * math.sin(current.direction)
+        more_north, more_east = north - self._current[0], east - self._current[1]
+        u, v, r = self._relative
+        self._relative = (
+            u - c * more_north - s * more_east,
+            v + s * more_north - c * more_east,
+            r,
+        )
+        self._current = (north, east)
+        if settings.waves != self._settings.waves:
+            self._waves.apply(settings.waves)
+        self._settings = settings
+
+    def step(self, inputs: SimulatorInputs, dt: float) -> SimulatorOutput:
+        """Sail on by ``dt`` and return what the thruster sensors show then.
+
+        Parameters
+        ----------
+        inputs
+            Motor set points, held over the step.
+        dt
+            s, above 0 and at most the time step of the vessel.
+
+        Raises
+        ------
+        InputError
+            If a set point has the wrong shape or is not finite, or ``dt`` is out of range; nothing has moved then.
+        """
+        if not 0.0 < dt <= self._time_step * (1.0 + 1e-9):  # a dt from stamps is off by rounding
+            raise InputError(f"dt: expected above 0 and at most {self._time_step} s, found {dt}")
+        torque = self._finite("torque", inputs.torque)
+        azimuth_rate = self._finite("azimuth_rate", inputs.azimuth_rate)
+        before = self._thruster_force
+        self._step_thrusters(torque, azimuth_rate, dt)
+        self._step_hull(before, self._thruster_force, dt)
+        self._time += dt
+        self._output = self._observe()
+        return self._output
+
+    def measure(self) -> FloatArray | None:
+        """Return the measured pose now, shape (3,): north (m), east (m), heading (rad in [-pi, pi)).
+
+        None if this measurement is lost. Asked again at the same instant, it gives the same answer.
+        """
+        if self._measured is not None and self._measured[0] == self._time:
+            return self._measured[1]
+        (e_north, e_east, e_heading), chance = self._pose_noise.row()
+        data = self._measurement
+        kept = (1.0 - data.dropout) * (1.0 - self._settings.pose_dropout)
+        pose = None
+        if chance < kept:
+            north, east, heading = self._position
+            w_north, w_east, w_heading = self._waves.motion(self._position, self._velocity_ned(), self._time)[0]
+            if self._settings.sensor_noise:
+                w_north += data.position_noise * e_north
+                w_east += data.position_noise * e_east
+                w_heading += data.heading_noise * e_heading
+            pose = np.array([north + w_north, east + w_east, wrap_angle(heading + w_heading)])
+        self._measured = (self._time, pose)
+        return pose
+
+    def truth(self) -> SimulatorTruth:
+        """Return the true state now."""
+        position, rate = self._waves.motion(self._position, self._velocity_ned(), self._time)
+        heading = self._position[2]
+        u, v, r = velocity = self._velocity()
+        with_current = self._hull.hydrodynamic_force(*self._relative)
+        without = self._hull.hydrodynamic_force(u, v, r)
+        speed = np.array(self._speed)
+        return SimulatorTruth(
+            time=self._time,
+            position=np.array(self._position),
+            velocity=np.array(velocity),
+            wave_position=np.array(position),
+            wave_velocity=np.array(rate),
+            wave_force=np.array(self._waves.drift_force(math.cos(heading), math.sin(heading))),
+            current_force=np.array(with_current) - np.array(without),
+            thruster_force=np.array(self._thruster_force),
+            thrust=np.array(self._thrust_factor) * speed * np.abs(speed),
+            azimuth=np.array([wrap_angle(a) for a in self._azimuth]),
+            shaft_speed=speed,
+        )
+
+    def elevation(self, north: float, east: float) -> float:
+        """Return the undisturbed wave elevation (m, positive up) at a point of the map now."""
+        return self._waves.elevation(north, east, self._time)
+
+    def kinetic_energy(self) -> float:
+        """Return the energy of hull and entrained water in the frame of the water, J."""
+        return self._hull.kinetic_energy(*self._relative)
+
+    def _finite(self, name: str, value: FloatArray) -> list[float]:
+        # The guard of marine_model in scalars: a fifth of its time at four numbers.
+        shape = getattr(value, "shape", None)
+        if shape != (self._n,):
+            raise InputError(f"{name}: expected shape ({self._n},), found {shape or value!r}")
+        numbers: list[float] = value.tolist()
+        if not all(map(math.isfinite, numbers)):
+            raise InputError(f"{name}: expected finite numbers, found {numbers}")
+        return numbers
+
+    def _step_thrusters(self, torque: list[float], azimuth_rate: list[float], dt: float) -> None:
+        """Advance shafts and azimuths; leave their generalized force at the end of the step."""
+        x = y = n = 0.0
+        for i, shaft in enumerate(self._shafts):
+            limit = self._torque_max[i]
+            q = torque[i]
+            q = -limit if q < -limit else limit if q > limit else q
+            self._torque[i] = q
+            speed = self._speed[i] = shaft.advance(self._speed[i], q, dt)
+            servo = self._servos[i]
+            if servo is not None:
+                self._azimuth[i], self._azimuth_rate[i] = servo.advance(
+                    self._azimuth[i], self._azimuth_rate[i], azimuth_rate[i], dt
+                )
+            thrust = self._thrust_factor[i] * speed * abs(speed)
+            fx = thrust * math.cos(self._azimuth[i])
+            fy = thrust * math.sin(self._azimuth[i])
+            x += fx
+            y += fy
+            n += self._lever_x[i] * fy - self._lever_y[i] * fx
+        self._thruster_force = (x, y, n)
+
+    def _step_hull(self, force: Triple, force_after: Triple, dt: float) -> None:
+        """Heun's method on position and velocity through the water."""
+        north, east, heading = self._position
+        u, v, r = self._relative
+        current_north, current_east = self._current
+        acceleration = self._hull.acceleration
+        drift = self._waves.drift_force
+
+        c, s = math.cos(heading), math.sin(heading)
+        wx, wy, wn = drift(c, s)
+        du, dv, dr = acceleration(u, v, r, force[0] + wx, force[1] + wy, force[2] + wn)
+        self._waves.advance(dt)
+
+        u2, v2, r2 = u + dt * du, v + dt * dv, r + dt * dr
+        heading2 = heading + dt * r
+        c2, s2 = math.cos(heading2), math.sin(heading2)
+        wx, wy, wn = drift(c2, s2)
+        du2, dv2, dr2 = acceleration(u2, v2, r2, force_after[0] + wx, force_after[1] + wy, force_after[2] + wn)
+
+        half = 0.5 * dt
+        self._position = (
+            north + half * (c * u - s * v + c2 * u2 - s2 * v2) + dt * current_north,
+            east + half * (s * u + c * v + s2 * u2 + c2 * v2) + dt * current_east,
+            heading + half * (r + r2),
+        )
+        self._relative = (u + half * (du + du2), v + half * (dv + dv2), r + half * (dr + dr2))
+
+    def _velocity(self) -> Triple:
+        """Velocity over ground in the body frame."""
+        u, v, r = self._relative
+        north, east = self._current
+        c, s = math.cos(self._position[2]), math.sin(self._position[2])
+        return u + c * north + s * east, v - s * north + c * east, r
+
+    def _velocity_ned(self) -> tuple[float, float]:
+        u, v, _ = self._relative
+        c, s = math.cos(self._position[2]), math.sin(self._position[2])
+        return c * u - s * v + self._current[0], s * u + c * v + self._current[1]
+
+    def _observe(self) -> SimulatorOutput:
+        """Read the thruster sensors."""
+        n = self._n
+        noise, _ = self._thruster_noise.row()
+        data = self._measurement
+        on = self._settings.sensor_noise
+        speed_noise = data.shaft_speed_noise if on else 0.0
+        azimuth_noise = data.azimuth_noise if on else 0.0
+        speed, power, azimuth = [], [], []
+        for i in range(n):
+            measured = self._speed[i] + speed_noise * noise[i]
+            speed.append(measured)
+            power.append(_TWO_PI * measured * self._torque[i])
+            angle = self._azimuth[i]
+            if self._servos[i] is not None:  # a tunnel thruster has no angle to measure
+                angle += azimuth_noise * noise[n + i]
+            azimuth.append(wrap_angle(angle))
+        rows = np.array([speed, self._torque, power, azimuth, self._azimuth_rate])
+        motion = np.array([self._position, self._velocity()])
+        return SimulatorOutput(self._time, motion[0], motion[1], rows[0], rows[1], rows[2], rows[3], rows[4])
