@@ -10,11 +10,11 @@ from ament_index_python.packages import PackageNotFoundError, get_package_share_
 from pydantic import Field, model_validator
 
 from dp_tools.figure_specs import FigureSpec, windows_of
-from dp_tools.node_settings import default_settings
+from dp_tools.node_settings import SIMULATOR, default_settings
 from marine_model import Vessel, load_vessel
 from marine_model.errors import DocumentError, InputError, UnknownNameError
 from marine_model.schema import NonNegative, Positive, Section, Vector3
-from marine_model.settings import Settings, with_parameters
+from marine_model.settings import Settings, read_only_parameters, with_parameters
 from marine_model.yaml_document import FieldPath, YamlDocument, read_yaml
 
 ParameterValue = bool | int | float | str | list[bool] | list[int] | list[float] | list[str]
@@ -87,6 +87,12 @@ class Scenario(Section):
         """Name in figures.json: ``a`` for ``run_a``."""
         return self.name.removeprefix("run_")
 
+    @property
+    def start_parameters(self) -> NodeParameters:
+        """Parameters that every node is started with, by node; the seed is among them."""
+        simulator = {"seed": self.seed, **self.parameters.get(SIMULATOR, {})}
+        return {**self.parameters, SIMULATOR: simulator}
+
     def settings(self, vessel: Vessel) -> dict[str, Settings]:
         """Return the settings of every node at start.
 
@@ -96,7 +102,7 @@ class Scenario(Section):
             If a node or parameter is unknown, or a value is refused.
         """
         settings = default_settings(vessel)
-        for node, changes in self.parameters.items():
+        for node, changes in self.start_parameters.items():
             if node not in settings:
                 raise InputError(f"node: expected one of {', '.join(settings)}, found '{node}'")
             settings[node] = with_parameters(settings[node], changes)
@@ -223,22 +229,32 @@ def _figure_problems(scenario: Scenario) -> Iterator[tuple[FieldPath, str]]:
 
 def _parameter_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[FieldPath, str]]:
     """Apply every change in order of time to the settings that hold by then, as the nodes will."""
+    if "seed" in scenario.parameters.get(SIMULATOR, {}):
+        yield ("parameters", SIMULATOR, "seed"), "the seed is the scenario's own field 'seed'"
     settings = default_settings(vessel)
     changes: list[tuple[FieldPath, NodeParameters, bool]] = [(("parameters",), scenario.parameters, True)]
-    changes += [(("events", i, "parameters"), e.parameters, e.at == 0.0) for i, e in enumerate(scenario.events)]
+    changes += [(("events", i, "parameters"), e.parameters, False) for i, e in enumerate(scenario.events)]
     for place, nodes, at_start in changes:
         for node, values in nodes.items():
             if node not in settings:
                 yield (*place, node), f"expected one of {', '.join(settings)}, found '{node}'"
                 continue
-            for name, value in values.items():
-                field = (*place, node, name)
-                try:
-                    settings[node] = with_parameters(settings[node], {name: value})
-                except InputError as error:
-                    yield field, str(error)
+            if not at_start:
+                for name in read_only_parameters(type(settings[node])) & set(values):
+                    yield (*place, node, name), "cannot change while the node runs; set it under parameters"
+            try:
+                settings[node] = with_parameters(settings[node], values)
+            except InputError as whole:
+                yield _blame((*place, node), settings[node], values, whole)
 
 
-def parameters_at_start(scenario: Scenario) -> Mapping[str, Mapping[str, ParameterValue]]:
-    """Return the parameters that every node is started with, by node."""
-    return scenario.parameters
+def _blame(
+    place: FieldPath, settings: Settings, values: Mapping[str, ParameterValue], whole: InputError
+) -> tuple[FieldPath, str]:
+    """Return the first value that is wrong by itself; else the node, as only the combination is wrong."""
+    for name, value in values.items():
+        try:
+            with_parameters(settings, {name: value})
+        except InputError as error:
+            return (*place, name), str(error)
+    return place, str(whole)
