@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtrit
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
@@ -66,5 +66,5 @@ def batch_jackknife(
             ]
         )
         variance += (batches - 1) / batches * float(((left_out - left_out.mean()) ** 2).sum())
-    half = float(stats.t.ppf(0.5 + 0.5 * confidence, batches - 1)) * math.sqrt(variance)
+    half = float(stdtrit(batches - 1, 0.5 + 0.5 * confidence)) * math.sqrt(variance)
     return value - half, value + half

@@ -24,6 +24,6 @@ def default_settings(vessel: Vessel) -> dict[str, Settings]:
         SIMULATOR: SimulatorSettings(),
         OBSERVER: ObserverSettings(),
         CONTROLLER: ControllerSettings(),
-        ALLOCATOR: AllocatorSettings(),
-        DRIVERS: DriverSettings(),
+        ALLOCATOR: AllocatorSettings.for_vessel(vessel),
+        DRIVERS: DriverSettings(command_timeout=vessel.drivers.command_timeout),
     }

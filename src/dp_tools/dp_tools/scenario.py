@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Self
 
-from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
-from pydantic import Field, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
 from dp_tools.figure_specs import FigureSpec, windows_of
 from dp_tools.node_settings import SIMULATOR, default_settings
+from dp_tools.workspace import share
 from marine_model import Vessel, load_vessel
 from marine_model.errors import DocumentError, InputError, UnknownNameError
 from marine_model.schema import NonNegative, Positive, Section, Vector3
@@ -22,21 +23,11 @@ NodeParameters = dict[str, dict[str, ParameterValue]]  # by node, by parameter (
 Window = Annotated[tuple[float, float], Field(strict=False)]  # s, start and end
 
 
-class Path3(Section):
-    """A timed path for the tracking mode."""
+class PathPoint(Section):
+    """Where the vessel shall be at one time."""
 
-    times: Annotated[tuple[NonNegative, ...], Field(strict=False, min_length=2)]  # s after the event
-    positions: Annotated[tuple[Vector3, ...], Field(strict=False, min_length=2)]  # m, m, rad in map_ned
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        if len(self.times) != len(self.positions):
-            raise ValueError(
-                f"expected one position a time, found {len(self.times)} times and {len(self.positions)} positions"
-            )
-        if any(later <= earlier for earlier, later in zip(self.times, self.times[1:], strict=False)):
-            raise ValueError(f"times must increase, found {list(self.times)}")
-        return self
+    at: NonNegative  # s since the start of the run
+    position: Vector3  # m, m, rad in map_ned
 
 
 class Event(Section):
@@ -47,7 +38,7 @@ class Event(Section):
     parameters: NodeParameters = {}
     setpoint: Vector3 | None = None  # m, m, rad in map_ned
     joystick: Vector3 | None = None  # N, N, N m in the body frame
-    path: Path3 | None = None
+    path: Annotated[tuple[PathPoint, ...], Field(strict=False, min_length=2)] | None = None
 
     @model_validator(mode="after")
     def _one_action(self) -> Self:
@@ -56,6 +47,9 @@ class Event(Section):
             raise ValueError(f"expected at most one of setpoint, joystick and path, found {given}")
         if not given and not self.parameters:
             raise ValueError("expected parameters, setpoint, joystick or path, found none of them")
+        times = [point.at for point in self.path or ()]
+        if any(later <= earlier for earlier, later in pairwise(times)):
+            raise ValueError(f"path: expected times that increase, found {times}")
         return self
 
 
@@ -81,6 +75,12 @@ class Scenario(Section):
     windows: dict[str, Window] = {}
     close_ups: Annotated[tuple[CloseUp, ...], Field(strict=False)] = ()
     figures: Annotated[tuple[FigureSpec, ...], Field(strict=False)] = ()
+    _path: Path | None = PrivateAttr(default=None)
+
+    @property
+    def path(self) -> Path | None:
+        """File that this was loaded from; None if it was made otherwise."""
+        return self._path
 
     @property
     def run(self) -> str:
@@ -114,15 +114,10 @@ def scenario_folder() -> Path:
 
     Raises
     ------
-    UnknownNameError
-        If dp_bringup is not installed.
+    WorkspaceError
+        If dp_bringup is not built.
     """
-    try:
-        return Path(get_package_share_directory("dp_bringup")) / "scenarios"
-    except (PackageNotFoundError, LookupError) as error:
-        raise UnknownNameError(
-            "scenario: dp_bringup is not installed; run `make setup`, or name a scenario file by its path"
-        ) from error
+    return share("dp_bringup") / "scenarios"
 
 
 def scenario_names() -> tuple[str, ...]:
@@ -131,7 +126,7 @@ def scenario_names() -> tuple[str, ...]:
 
 
 def scenario_path(name_or_path: str | Path) -> Path:
-    """Return the file of a scenario. Raises UnknownNameError."""
+    """Return the file of a scenario. Raises UnknownNameError, WorkspaceError."""
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml") or len(path.parts) > 1:
         if not path.is_file():
@@ -169,6 +164,7 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
     problems = list(_problems(scenario, document))
     if problems:
         raise DocumentError("\n".join(problems))
+    scenario._path = document.path.absolute()
     return scenario
 
 
@@ -196,7 +192,7 @@ def _time_problems(scenario: Scenario, sample: float) -> Iterator[tuple[FieldPat
             yield field, f"expected a whole multiple of the sample time of {sample} s, found {time}"
         elif time > scenario.duration:
             yield field, f"expected a time within the duration of {scenario.duration} s, found {time}"
-    for i, (earlier, later) in enumerate(zip(scenario.events, scenario.events[1:], strict=False)):
+    for i, (earlier, later) in enumerate(pairwise(scenario.events)):
         if later.at < earlier.at:
             yield ("events", i + 1, "at"), f"expected events in order of time, found {later.at} after {earlier.at}"
 

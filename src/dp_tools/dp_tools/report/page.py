@@ -27,6 +27,7 @@ _LIMIT_TITLES = {
     "torque": "Motor torque",
     "azimuth_motor_rate": "Rate of the azimuth motor",
 }
+_LIMIT_SCALES = {"torque": (1000.0, "mN m")}
 _LABEL_TITLES = {
     "controller_mode": "Controller mode",
     "controller_status": "Controller",
@@ -56,6 +57,7 @@ class LimitRow:
 
     title: str
     unit: str
+    scale: float  # from the unit of the checks to the one shown
     checks: tuple[LimitCheck, ...]
 
     @property
@@ -142,32 +144,41 @@ def number(value: float, digits: int = 3) -> str:
     return text.replace("-", "−")
 
 
+def with_unit(value: float, unit: str, digits: int = 3) -> str:
+    """Return ``value`` and its unit; small lengths in mm."""
+    if unit == "1":
+        return number(value, digits)
+    if unit == "m" and 0.0 < abs(value) < 0.1:
+        value, unit = 1000.0 * value, "mm"
+    return f"{number(value, digits)} {unit}"
+
+
 def _quantity(figure: Figure, value: float) -> str:
     if isinstance(figure.spec, MeanPowerChange):
         return f"{100.0 * value:+.1f} %".replace("-", "−")
-    if figure.unit == "1":
-        return number(value)
-    return f"{number(value)} {figure.unit}"
+    return with_unit(value, figure.unit)
 
 
 def _figure_row(figure: Figure) -> FigureRow:
     spec = figure.spec
     interval = ""
     if figure.low is not None and figure.high is not None:
-        interval = f"{_quantity(figure, figure.low)} … {_quantity(figure, figure.high)}"
+        low, high = _quantity(figure, figure.low), _quantity(figure, figure.high)
+        number_of_low, _, unit_of_low = low.partition(" ")
+        interval = f"{number_of_low if high.endswith(unit_of_low) else low} … {high}"
     difference = ""
     if figure.difference is not None:
         if isinstance(spec, MeanPowerChange):
             difference = f"{100.0 * figure.difference:+.1f} points"
         else:
-            difference = f"{figure.difference:+.3g} {figure.unit}"
+            difference = ("+" if figure.difference > 0.0 else "") + _quantity(figure, figure.difference)
     return FigureRow(
         title=spec.title,
         ours="not reached" if figure.value is None else _quantity(figure, figure.value),
         interval=interval,
         thesis="" if spec.thesis is None else _quantity(figure, spec.thesis),
         difference=difference.replace("-", "−"),
-        bound="" if spec.at_most is None else f"at most {_quantity(figure, spec.at_most)}",
+        bound="" if spec.at_most is None else f"at most {with_unit(spec.at_most, figure.unit, 4)}",
         held=figure.held,
         remark=" ".join(part for part in (spec.reason, f"({spec.source})" if spec.source else "") if part),
     )
@@ -178,7 +189,8 @@ def _limit_rows(checks: tuple[LimitCheck, ...]) -> list[LimitRow]:
     rows = []
     for name in names:
         chosen = tuple(check for check in checks if check.limit == name)
-        rows.append(LimitRow(_LIMIT_TITLES[name], chosen[0].unit, chosen))
+        scale, unit = _LIMIT_SCALES.get(name, (1.0, chosen[0].unit))
+        rows.append(LimitRow(_LIMIT_TITLES[name], unit, scale, chosen))
     return rows
 
 

@@ -47,24 +47,9 @@ def write_picture(run: RunData, scenario: Scenario, vessel: Vessel, path: Path) 
             panels.draw(2, command.t, degrees, name, color, drawstyle="steps-post")
         total = total_power(run)
         panels.draw(3, total.t, total.values[:, 0], "power", style.MEASURED, linewidth=0.8)
-        for i, name in enumerate(scene.measured_windows):
-            start, end = scenario.windows[name]
-            mean = float(total.window(start, end).values.mean())
-            color = style.WINDOW_EDGES[i % len(style.WINDOW_EDGES)]
-            panels.axes[3].hlines(mean, start, end, color=color, linewidth=2.0)
-            panels.axes[3].annotate(
-                f"{name}: {mean:.2f} W",
-                (0.5 * (start + end), 1.0),
-                xycoords=("data", "axes fraction"),
-                xytext=(0, -2),
-                textcoords="offset points",
-                ha="center",
-                va="top",
-                color=color,
-                fontweight="bold",
-            )
-        panels.figure.suptitle(scenario.title, x=0.01, ha="left", fontsize=11, color=style.INK)
-        panels.legend()
+        panels.means(3, total, scenario, scene.measured_windows, "W")
+        panels.headline(scenario.title)
+        panels.legends()
         path.parent.mkdir(parents=True, exist_ok=True)
         panels.figure.savefig(path, dpi=_DPI)
     return path

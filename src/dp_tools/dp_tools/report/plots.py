@@ -91,6 +91,12 @@ def close_up_pictures(scene: Scene, window: str) -> Iterator[Picture]:
             yield maker(scene, span)
 
 
+def finished(panels: Panels) -> str:
+    """Put a legend above and return the picture as a data URI."""
+    panels.legend()
+    return panels.image()
+
+
 def position(scene: Scene, span: Span) -> Picture:
     """Position and heading, Figure 4.5."""
     run = scene.run
@@ -112,7 +118,7 @@ def position(scene: Scene, span: Span) -> Picture:
     return Picture(
         "Position and heading",
         "The observer's low-frequency estimate follows the true motion and leaves the wave motion out.",
-        panels.image(),
+        finished(panels),
         "North, east and heading over time: measured, true, estimated and reference",
     )
 
@@ -120,32 +126,14 @@ def position(scene: Scene, span: Span) -> Picture:
 def power(scene: Scene, span: Span) -> Picture:
     """Developed power, total and by thruster, Figure 4.6."""
     run = scene.run
-    panels = scene.panels(("total power (W)", "by thruster (W)"), span, height=1.9)
+    panels = scene.panels(("total (W)", "by thruster (W)"), span, height=1.9)
     total = total_power(run)
     panels.draw(0, total.t, total.values[:, 0], "developed power", style.MEASURED, linewidth=0.8)
     if "thrust_command" in run:
         command = run["thrust_command"]
         demanded = scene.vessel.propellers.power(command.values).sum(axis=1)
         panels.draw(0, command.t, demanded, "of the commanded thrusts", style.COMMANDED, linewidth=0.9)
-    for i, name in enumerate(scene.measured_windows):
-        start, end = scene.scenario.windows[name]
-        if start < span[0] or end > span[1]:
-            continue
-        mean = float(total.window(start, end).values.mean())
-        color = style.WINDOW_EDGES[i % len(style.WINDOW_EDGES)]
-        panels.axes[0].hlines(mean, start, end, color=color, linewidth=2.0)
-        panels.axes[0].annotate(
-            f"{name}: mean {mean:.2f} W",
-            (0.5 * (start + end), 1.0),
-            xycoords=("data", "axes fraction"),
-            xytext=(0, -4),
-            textcoords="offset points",
-            ha="center",
-            va="top",
-            color=color,
-            fontsize=9.0,
-            fontweight="bold",
-        )
+    panels.means(0, total, scene.scenario, scene.measured_windows, "W")
     by_thruster = run["power"]
     for j, name in enumerate(run.thrusters):
         panels.draw(
@@ -156,8 +144,7 @@ def power(scene: Scene, span: Span) -> Picture:
             style.THRUSTERS[j % len(style.THRUSTERS)],
             linewidth=0.8,
         )
-    low, high = panels.axes[0].get_ylim()
-    panels.axes[0].set_ylim(low, high + 0.12 * (high - low))
+    panels.legends()
     return Picture(
         "Power",
         "Developed power 2 π n Q from measured shaft speed n and motor torque Q. It is negative while a propeller is braked.",
@@ -192,7 +179,7 @@ def forces(scene: Scene, span: Span) -> Picture:
         "Generalized forces",
         "Desired by the controller, commanded by the allocator, and measured: worked out from measured shaft speeds "
         "and azimuth angles (τ_RAW in the thesis), sensor noise included.",
-        panels.image(),
+        finished(panels),
         "Generalized force in surge, sway and yaw over time: desired, commanded, measured",
     )
 
@@ -230,7 +217,7 @@ def directions(scene: Scene, span: Span) -> Picture:
     return Picture(
         "Thrust directions",
         "Direction of the thruster force: 0° ahead, 90° to starboard. Lines are broken where an angle passes ±180°.",
-        panels.image(),
+        finished(panels),
         "Directions of the azimuth thrusters over time: commanded and measured",
     )
 
@@ -264,7 +251,7 @@ def thrusts(scene: Scene, span: Span) -> Picture:
     return Picture(
         "Thruster forces",
         "Thrust along the direction of each thruster; measured from shaft speed. Limits are drawn where a thruster came near them.",
-        panels.image(),
+        finished(panels),
         "Thrust of every thruster over time: commanded and measured",
     )
 
@@ -285,7 +272,7 @@ def track(scene: Scene, span: Span) -> Picture:
     axis.plot(*estimate.values[0, 1::-1], marker="o", markersize=5, color=style.INK, linestyle="none", label="start")
     axis.set_xlabel("east (m)")
     axis.set_ylabel("north (m)")
-    axis.legend(loc="best")
+    figure.legend(loc="outside upper right", ncols=4)
     return Picture(
         "Track",
         "Low-frequency estimate of the position, seen from above.",
@@ -309,7 +296,7 @@ def observer(scene: Scene, span: Span) -> Picture:
     return Picture(
         "Observer: wave filter and bias",
         "What the observer takes for wave motion, and the slowly varying environmental force it infers (in the map frame).",
-        panels.image(),
+        finished(panels),
         "Wave-frequency estimate and bias estimate over time",
     )
 
@@ -330,7 +317,7 @@ def control_terms(scene: Scene, span: Span) -> Picture:
     return Picture(
         "Controller: proportional, integral and derivative terms",
         "Their sum is the desired generalized force; the integral term settles at what balances the environment.",
-        panels.image(),
+        finished(panels),
         "Proportional, integral and derivative terms in surge, sway and yaw over time",
     )
 
