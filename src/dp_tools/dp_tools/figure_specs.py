@@ -1,0 +1,108 @@
+"""What a scenario asks to be measured: one class a kind of figure, told apart by the field ``kind``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from marine_model.schema import PositiveVector3, Section
+
+Axis = Literal["surge", "sway", "yaw"]
+Place = Literal["north", "east", "heading"]
+Force = Literal["tau_desired", "tau_achieved", "tau_measured"]
+
+
+class _Figure(Section):
+    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$")  # in figures.json
+    title: str = Field(min_length=1)  # in the report
+    thesis: float | None = None  # what the thesis prints, in the figure's unit
+    source: str = ""  # where it is printed
+    reason: str = ""  # why ours may differ, or why the thesis has no number
+    at_most: float | None = None  # a bound that must hold
+
+
+class MeanPower(_Figure):
+    """Mean of the developed power of all thrusters over a window, W."""
+
+    kind: Literal["mean_power"]
+    window: str
+
+
+class MeanPowerChange(_Figure):
+    """Mean developed power of one window over that of another, minus one."""
+
+    kind: Literal["mean_power_change"]
+    baseline: str
+    compared: str
+
+
+class PositionError(_Figure):
+    """Deviation from the reference over a window, m or deg."""
+
+    kind: Literal["position_error"]
+    window: str
+    axis: Place
+    of: Literal["estimate", "truth"] = "estimate"
+    statistic: Literal["std", "rms", "max"]
+
+
+class ForceLevel(_Figure):
+    """Mean or standard deviation of a generalized force over a window, N or N m."""
+
+    kind: Literal["force_level"]
+    window: str
+    axis: Axis
+    force: Force
+    statistic: Literal["mean", "std"]
+
+
+class ForceTracking(_Figure):
+    """Root mean square of measured minus commanded generalized force over a window, N or N m."""
+
+    kind: Literal["force_tracking"]
+    window: str
+    axis: Axis
+
+
+class TimeToDemand(_Figure):
+    """Longest time from a joystick step until the commanded force has come, and stays, within tolerance of it, s."""
+
+    kind: Literal["time_to_demand"]
+    window: str
+    tolerance: PositiveVector3  # N, N, N m
+
+
+class AzimuthStep(_Figure):
+    """Largest turn of a commanded direction between two samples in a window, deg."""
+
+    kind: Literal["azimuth_step"]
+    window: str
+
+
+class LimitViolations(_Figure):
+    """Number of samples of the whole run in which a limit of a thruster was broken."""
+
+    kind: Literal["limit_violation_count"]
+
+
+FigureSpec = Annotated[
+    MeanPower
+    | MeanPowerChange
+    | PositionError
+    | ForceLevel
+    | ForceTracking
+    | TimeToDemand
+    | AzimuthStep
+    | LimitViolations,
+    Field(discriminator="kind"),
+]
+
+
+def windows_of(figure: FigureSpec) -> tuple[tuple[str, str], ...]:
+    """Return (field, window name) of every window that ``figure`` needs."""
+    if isinstance(figure, MeanPowerChange):
+        return ("baseline", figure.baseline), ("compared", figure.compared)
+    if isinstance(figure, LimitViolations):
+        return ()
+    return (("window", figure.window),)

@@ -1,0 +1,235 @@
+"""The report as one self-contained HTML page."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+from dp_tools.figure_specs import MeanPowerChange
+from dp_tools.figures import Figure, compute_figures, write_figures
+from dp_tools.limits import LimitCheck, limits_violations
+from dp_tools.report.plots import Picture, Scene, close_up_pictures, pictures
+from dp_tools.report.style import plot_style
+from dp_tools.run_data import RunData
+from dp_tools.scenario import Scenario
+from marine_model import Vessel
+
+REPORT_NAME = "report.html"
+FIGURES_NAME = "figures.json"
+
+_LIMIT_TITLES = {
+    "thrust": "Thrust",
+    "thrust_rate": "Rate of change of thrust",
+    "azimuth_rate": "Turning rate of the direction",
+    "torque": "Motor torque",
+    "azimuth_motor_rate": "Rate of the azimuth motor",
+}
+_LIMIT_SCALES = {"torque": (1000.0, "mN m")}
+_LABEL_TITLES = {
+    "controller_mode": "Controller mode",
+    "controller_status": "Controller",
+    "observer_status": "Observer",
+    "azimuth_mode": "Azimuth mode",
+    "allocation_status": "Allocator",
+}
+
+
+@dataclass(frozen=True)
+class FigureRow:
+    """A figure of merit as text."""
+
+    title: str
+    ours: str
+    interval: str
+    thesis: str
+    difference: str
+    bound: str
+    held: bool | None
+    remark: str
+
+
+@dataclass(frozen=True)
+class LimitRow:
+    """One limit of all thrusters."""
+
+    title: str
+    unit: str
+    scale: float  # from the unit of the checks to the one shown
+    checks: tuple[LimitCheck, ...]
+
+    @property
+    def violations(self) -> int:
+        """Samples outside, all thrusters together."""
+        return sum(check.violations for check in self.checks)
+
+
+@dataclass(frozen=True)
+class StateRow:
+    """One word of a mode or status and how long it held."""
+
+    title: str
+    word: str
+    share: str
+    first: str
+
+
+def write_report(run: RunData, scenario: Scenario, vessel: Vessel, folder: Path) -> Path:
+    """Write report.html and figures.json into ``folder`` and return the path of the page.
+
+    Raises
+    ------
+    InputError
+        If the run lacks a series that a figure of the scenario needs.
+    OSError
+        If the folder cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    figures = compute_figures(run, scenario, vessel)
+    page = render(run, scenario, vessel, figures)
+    write_figures(folder / FIGURES_NAME, scenario, figures)
+    path = folder / REPORT_NAME
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def render(
+    run: RunData, scenario: Scenario, vessel: Vessel, figures: tuple[Figure, ...]
+) -> str:
+    """Return the page as HTML text; it refers to nothing outside itself."""
+    scene = Scene(run, scenario, vessel)
+    limits = limits_violations(run, vessel) if "thrust_command" in run else ()
+    with plot_style():
+        main = list(pictures(scene))
+        close_ups: list[tuple[str, str, list[Picture]]] = [
+            (c.title, _span_text(scenario.windows[c.window]), list(close_up_pictures(scene, c.window)))
+            for c in scenario.close_ups
+        ]
+    environment = Environment(
+        loader=PackageLoader("dp_tools.report"),
+        autoescape=select_autoescape(default=True),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("report.html").render(
+        run=run,
+        scenario=scenario,
+        vessel=vessel,
+        figures=[_figure_row(figure) for figure in figures],
+        limits=_limit_rows(limits),
+        samples=sum(check.samples for check in limits),
+        violations=sum(check.violations for check in limits),
+        states=_state_rows(run),
+        facts=_facts(run, scenario, vessel),
+        pictures=main,
+        close_ups=close_ups,
+        number=number,
+    )
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return ``value`` with ``digits`` significant digits, a true minus sign, and no exponent for usual sizes."""
+    if value == 0.0:
+        return "0"
+    if not math.isfinite(value):
+        return str(value)
+    magnitude = math.floor(math.log10(abs(value)))
+    if not -5 < magnitude < 6:
+        text = f"{value:.{digits - 1}e}"
+    else:
+        text = f"{value:.{max(0, digits - 1 - magnitude)}f}"
+    return text.replace("-", "−")
+
+
+def with_unit(value: float, unit: str, digits: int = 3) -> str:
+    """Return ``value`` and its unit; small lengths in mm."""
+    if unit == "1":
+        return number(value, digits)
+    if unit == "m" and 0.0 < abs(value) < 0.1:
+        value, unit = 1000.0 * value, "mm"
+    return f"{number(value, digits)} {unit}"
+
+
+def _quantity(figure: Figure, value: float) -> str:
+    if isinstance(figure.spec, MeanPowerChange):
+        return f"{100.0 * value:+.1f} %".replace("-", "−")
+    return with_unit(value, figure.unit)
+
+
+def _figure_row(figure: Figure) -> FigureRow:
+    spec = figure.spec
+    interval = ""
+    if figure.low is not None and figure.high is not None:
+        low, high = _quantity(figure, figure.low), _quantity(figure, figure.high)
+        number_of_low, _, unit_of_low = low.partition(" ")
+        interval = f"{number_of_low if high.endswith(unit_of_low) else low} … {high}"
+    difference = ""
+    if figure.difference is not None:
+        if isinstance(spec, MeanPowerChange):
+            difference = f"{100.0 * figure.difference:+.1f} points"
+        else:
+            difference = ("+" if figure.difference > 0.0 else "") + _quantity(figure, figure.difference)
+    return FigureRow(
+        title=spec.title,
+        ours="not reached" if figure.value is None else _quantity(figure, figure.value),
+        interval=interval,
+        thesis="" if spec.thesis is None else _quantity(figure, spec.thesis),
+        difference=difference.replace("-", "−"),
+        bound="" if spec.at_most is None else f"at most {with_unit(spec.at_most, figure.unit, 4)}",
+        held=figure.held,
+        remark=" ".join(part for part in (spec.reason, f"({spec.source})" if spec.source else "") if part),
+    )
+
+
+def _limit_rows(checks: tuple[LimitCheck, ...]) -> list[LimitRow]:
+    names = list(dict.fromkeys(check.limit for check in checks))
+    rows = []
+    for name in names:
+        chosen = tuple(check for check in checks if check.limit == name)
+        scale, unit = _LIMIT_SCALES.get(name, (1.0, chosen[0].unit))
+        rows.append(LimitRow(_LIMIT_TITLES[name], unit, scale, chosen))
+    return rows
+
+
+def _state_rows(run: RunData) -> list[StateRow]:
+    rows = []
+    for name, title in _LABEL_TITLES.items():
+        if name not in run.labels or not run.labels[name].words:
+            continue
+        labels = run.labels[name]
+        ends = [*labels.t[1:].tolist(), max(run.duration, float(labels.t[-1]))]
+        held: dict[str, float] = {}
+        first: dict[str, float] = {}
+        for word, start, end in zip(labels.words, labels.t.tolist(), ends, strict=True):
+            held[word] = held.get(word, 0.0) + end - start
+            first.setdefault(word, start)
+        total = sum(held.values())
+        for word, time in held.items():
+            share = f"{100.0 * time / total:.1f} %" if total > 0.0 else "100 %"
+            rows.append(StateRow(title, word, share, f"{first[word]:.1f} s"))
+            title = ""
+    return rows
+
+
+def _facts(run: RunData, scenario: Scenario, vessel: Vessel) -> list[tuple[str, str]]:
+    info = run.info
+    facts = [
+        ("Vessel", vessel.name),
+        ("Scenario", scenario.name),
+        ("Sailed", info.how),
+        ("Seed", str(info.seed)),
+        ("Duration", f"{number(run.duration, 4)} s"),
+    ]
+    if info.real_time_factor is not None:
+        facts.append(("Wall time", f"{number(info.wall_time)} s"))
+        facts.append(("Real-time factor", number(info.real_time_factor)))
+    if info.started:
+        facts.append(("Started", info.started))
+    return facts
+
+
+def _span_text(span: tuple[float, float]) -> str:
+    return f"{number(span[0], 4)} s to {number(span[1], 4)} s"

@@ -1,0 +1,324 @@
+"""The pictures of a report, in the manner of Figures 4.5-4.9 and C.1-C.3 of [Ruth]."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from dp_tools.figure_specs import windows_of
+from dp_tools.report import style
+from dp_tools.report.panels import Panels, svg_uri
+from dp_tools.report.thinning import break_turns
+from dp_tools.run_data import RunData
+from dp_tools.scenario import Scenario
+from dp_tools.signals import measured_force, measured_thrust, total_power, unwrapped_degrees
+from marine_model import Vessel
+
+_FORCE_LABELS = ("surge (N)", "sway (N)", "yaw (N m)")
+_PLACE_LABELS = ("north (m)", "east (m)", "heading (deg)")
+# A panel shows at least this much, m, m, deg: a quiet vessel should look quiet.
+_PLACE_HEIGHTS = (0.05, 0.05, 1.0)
+
+Span = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One picture with its text."""
+
+    title: str
+    text: str
+    image: str  # data URI
+    alt: str
+    narrow: bool = False
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What every picture is made from."""
+
+    run: RunData
+    scenario: Scenario
+    vessel: Vessel
+
+    @property
+    def whole(self) -> Span:
+        """(0, end) of the run, s."""
+        return 0.0, max(self.run.duration, 1e-9)
+
+    @property
+    def measured_windows(self) -> tuple[str, ...]:
+        """Windows that figures are worked out over, close-ups apart, in the order of the file."""
+        used = {window for spec in self.scenario.figures for _, window in windows_of(spec)}
+        close_ups = {close_up.window for close_up in self.scenario.close_ups}
+        return tuple(name for name in self.scenario.windows if name in used - close_ups)
+
+    def panels(self, labels: tuple[str, ...], span: Span, height: float = 1.5) -> Panels:
+        """Return empty panels for this run."""
+        return Panels(labels, self.scenario, span, height, self.measured_windows)
+
+
+def pictures(scene: Scene) -> Iterator[Picture]:
+    """Return the pictures of the whole run; what the run has no signals for is left out."""
+    makers: tuple[tuple[tuple[str, ...], Callable[[Scene, Span], Picture]], ...] = (
+        (("estimate_position",), position),
+        (("power",), power),
+        (("tau_desired", "tau_achieved"), forces),
+        (("azimuth_command",), directions),
+        (("thrust_command",), thrusts),
+        (("estimate_position",), track),
+        (("wave_position", "bias"), observer),
+        (("proportional", "integral", "derivative"), control_terms),
+    )
+    for needed, maker in makers:
+        if all(name in scene.run for name in needed):
+            yield maker(scene, scene.whole)
+
+
+def close_up_pictures(scene: Scene, window: str) -> Iterator[Picture]:
+    """Return forces, directions and thrusts of one window."""
+    span = scene.scenario.windows[window]
+    for needed, maker in (
+        ("tau_desired", forces),
+        ("azimuth_command", directions),
+        ("thrust_command", thrusts),
+        ("power", power),
+    ):
+        if needed in scene.run:
+            yield maker(scene, span)
+
+
+def finished(panels: Panels) -> str:
+    """Put a legend above and return the picture as a data URI."""
+    panels.legend()
+    return panels.image()
+
+
+def position(scene: Scene, span: Span) -> Picture:
+    """Position and heading, Figure 4.5."""
+    run = scene.run
+    panels = scene.panels(_PLACE_LABELS, span, height=1.55)
+    for name, label, color, line in (
+        ("pose", "measured, with wave motion", style.RAW, {"linewidth": 0.7}),
+        ("truth_position", "true, without wave motion", style.MEASURED, {"linewidth": 1.6}),
+        ("estimate_position", "estimate", style.COMMANDED, {"linewidth": 1.0}),
+        ("reference_position", "reference", style.DESIRED, {"linestyle": (0, (5, 2))}),
+    ):
+        if name not in run:
+            continue
+        series = run[name]
+        for i in range(3):
+            values = series.values[:, i]
+            panels.draw(i, series.t, unwrapped_degrees(values) if i == 2 else values, label, color, **line)
+    for i, height in enumerate(_PLACE_HEIGHTS):
+        panels.at_least(i, height)
+    return Picture(
+        "Position and heading",
+        "The observer's low-frequency estimate follows the true motion and leaves the wave motion out.",
+        finished(panels),
+        "North, east and heading over time: measured, true, estimated and reference",
+    )
+
+
+def power(scene: Scene, span: Span) -> Picture:
+    """Developed power, total and by thruster, Figure 4.6."""
+    run = scene.run
+    panels = scene.panels(("total (W)", "by thruster (W)"), span, height=1.9)
+    total = total_power(run)
+    panels.draw(0, total.t, total.values[:, 0], "developed power", style.MEASURED, linewidth=0.8)
+    if "thrust_command" in run:
+        command = run["thrust_command"]
+        demanded = scene.vessel.propellers.power(command.values).sum(axis=1)
+        panels.draw(0, command.t, demanded, "of the commanded thrusts", style.COMMANDED, linewidth=0.9)
+    panels.means(0, total, scene.scenario, scene.measured_windows, "W")
+    by_thruster = run["power"]
+    for j, name in enumerate(run.thrusters):
+        panels.draw(
+            1,
+            by_thruster.t,
+            by_thruster.values[:, j],
+            name.replace("_", " "),
+            style.THRUSTERS[j % len(style.THRUSTERS)],
+            linewidth=0.8,
+        )
+    panels.legends()
+    return Picture(
+        "Power",
+        "Developed power 2 π n Q from measured shaft speed n and motor torque Q. It is negative while a propeller is braked.",
+        panels.image(),
+        "Developed power over time, total and by thruster",
+    )
+
+
+def forces(scene: Scene, span: Span) -> Picture:
+    """Generalized force: desired, commanded, measured; Figures 4.7 and C.1."""
+    run = scene.run
+    panels = scene.panels(_FORCE_LABELS, span)
+    if "shaft_speed" in run and "azimuth" in run:
+        measured = measured_force(run, scene.vessel)
+        for i in range(3):
+            panels.draw(i, measured.t, measured.values[:, i], "measured", style.MEASURED, linewidth=0.8)
+    for name, label, color, line in (
+        ("tau_achieved", "commanded", style.COMMANDED, {"drawstyle": "steps-post"}),
+        (
+            "tau_desired",
+            "desired",
+            style.DESIRED,
+            {"linestyle": (0, (4, 2)), "linewidth": 1.0, "drawstyle": "steps-post"},
+        ),
+    ):
+        if name in run:
+            for i in range(3):
+                panels.draw(i, run[name].t, run[name].values[:, i], label, color, **line)
+    for i in range(3):
+        panels.at_least(i, 0.5)
+    return Picture(
+        "Generalized forces",
+        "Desired by the controller, commanded by the allocator, and measured: worked out from measured shaft speeds "
+        "and azimuth angles (τ_RAW in the thesis), sensor noise included.",
+        finished(panels),
+        "Generalized force in surge, sway and yaw over time: desired, commanded, measured",
+    )
+
+
+def directions(scene: Scene, span: Span) -> Picture:
+    """Directions of the azimuth thrusters, Figures 4.8 and C.2."""
+    run = scene.run
+    turning = [j for j, can in enumerate(scene.vessel.can_rotate) if can]
+    panels = scene.panels(
+        tuple(f"{run.thrusters[j].replace('_', ' ')}\n(deg)" for j in turning), span, height=1.35
+    )
+    for row, j in enumerate(turning):
+        if "azimuth" in run:
+            measured = run["azimuth"]
+            panels.draw(
+                row,
+                measured.t,
+                break_turns(np.degrees(measured.values[:, j])),
+                "measured",
+                style.MEASURED,
+                linewidth=1.6,
+            )
+        command = run["azimuth_command"]
+        panels.draw(
+            row,
+            command.t,
+            break_turns(np.degrees(command.values[:, j])),
+            "commanded",
+            style.COMMANDED,
+            linewidth=0.9,
+            drawstyle="steps-post",
+        )
+        panels.axes[row].set_ylim(-190.0, 190.0)
+        panels.axes[row].set_yticks([-180, -90, 0, 90, 180])
+    return Picture(
+        "Thrust directions",
+        "Direction of the thruster force: 0° ahead, 90° to starboard. Lines are broken where an angle passes ±180°.",
+        finished(panels),
+        "Directions of the azimuth thrusters over time: commanded and measured",
+    )
+
+
+def thrusts(scene: Scene, span: Span) -> Picture:
+    """Thrusts, Figures 4.9 and C.3."""
+    run, vessel = scene.run, scene.vessel
+    panels = scene.panels(
+        tuple(f"{name.replace('_', ' ')}\n(N)" for name in run.thrusters), span, height=1.3
+    )
+    for j in range(len(run.thrusters)):
+        if "shaft_speed" in run:
+            measured = measured_thrust(run, vessel)
+            panels.draw(j, measured.t, measured.values[:, j], "measured", style.MEASURED, linewidth=0.8)
+        command = run["thrust_command"]
+        panels.draw(
+            j,
+            command.t,
+            command.values[:, j],
+            "commanded",
+            style.COMMANDED,
+            linewidth=0.9,
+            drawstyle="steps-post",
+        )
+        low, high = panels.axes[j].get_ylim()
+        span_of_axis = high - low
+        # A limit far outside of what was used would only flatten the curve.
+        for limit in (float(vessel.thrust_min[j]), float(vessel.thrust_max[j])):
+            if low - 0.4 * span_of_axis <= limit <= high + 0.4 * span_of_axis:
+                panels.level(j, limit, "limit")
+    return Picture(
+        "Thruster forces",
+        "Thrust along the direction of each thruster; measured from shaft speed. Limits are drawn where a thruster came near them.",
+        finished(panels),
+        "Thrust of every thruster over time: commanded and measured",
+    )
+
+
+def track(scene: Scene, span: Span) -> Picture:
+    """Where the vessel went, seen from above."""
+    run = scene.run
+    figure = Canvas(figsize=(5.6, 5.2), layout="constrained")
+    axis = figure.subplots()
+    axis.set_aspect("equal", adjustable="datalim")
+    axis.margins(0.06)
+    estimate = run["estimate_position"]
+    axis.plot(estimate.values[:, 1], estimate.values[:, 0], color=style.RAW, linewidth=0.9, label="whole run")
+    for i, name in enumerate(scene.measured_windows):
+        part = estimate.window(*scene.scenario.windows[name])
+        color = style.WINDOW_EDGES[i % len(style.WINDOW_EDGES)]
+        axis.plot(part.values[:, 1], part.values[:, 0], color=color, linewidth=1.0, label=name)
+    axis.plot(*estimate.values[0, 1::-1], marker="o", markersize=5, color=style.INK, linestyle="none", label="start")
+    axis.set_xlabel("east (m)")
+    axis.set_ylabel("north (m)")
+    figure.legend(loc="outside upper right", ncols=4)
+    return Picture(
+        "Track",
+        "Low-frequency estimate of the position, seen from above.",
+        svg_uri(figure),
+        "Track of the vessel in the plane",
+        narrow=True,
+    )
+
+
+def observer(scene: Scene, span: Span) -> Picture:
+    """What the observer's wave filter and bias model hold."""
+    run = scene.run
+    panels = scene.panels(
+        ("wave motion\nnorth (m)", "bias north, east\n(N)", "bias yaw\n(N m)"), span, height=1.4
+    )
+    wave, bias = run["wave_position"], run["bias"]
+    panels.draw(0, wave.t, wave.values[:, 0], "wave-frequency part", style.MEASURED, linewidth=0.7)
+    panels.draw(1, bias.t, bias.values[:, 0], "bias north", style.COMMANDED)
+    panels.draw(1, bias.t, bias.values[:, 1], "bias east", style.DESIRED)
+    panels.draw(2, bias.t, bias.values[:, 2], "bias yaw", style.LIMIT)
+    return Picture(
+        "Observer: wave filter and bias",
+        "What the observer takes for wave motion, and the slowly varying environmental force it infers (in the map frame).",
+        finished(panels),
+        "Wave-frequency estimate and bias estimate over time",
+    )
+
+
+def control_terms(scene: Scene, span: Span) -> Picture:
+    """Terms of the controller."""
+    run = scene.run
+    panels = scene.panels(_FORCE_LABELS, span, height=1.4)
+    for name, color in (
+        ("derivative", style.MEASURED),
+        ("proportional", style.COMMANDED),
+        ("integral", style.DESIRED),
+    ):
+        for i in range(3):
+            panels.draw(i, run[name].t, run[name].values[:, i], name, color, linewidth=1.0)
+    for i in range(3):
+        panels.at_least(i, 0.5)
+    return Picture(
+        "Controller: proportional, integral and derivative terms",
+        "Their sum is the desired generalized force; the integral term settles at what balances the environment.",
+        finished(panels),
+        "Proportional, integral and derivative terms in surge, sway and yaw over time",
+    )
+
+

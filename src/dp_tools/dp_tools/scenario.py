@@ -1,0 +1,256 @@
+"""Scenario files: what is sailed, when what happens, and what is measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Self
+
+from pydantic import Field, PrivateAttr, model_validator
+
+from dp_tools.figure_specs import FigureSpec, windows_of
+from dp_tools.node_settings import SIMULATOR, default_settings
+from dp_tools.workspace import share
+from marine_model import Vessel, load_vessel
+from marine_model.errors import DocumentError, InputError, UnknownNameError
+from marine_model.schema import NonNegative, Positive, Section, Vector3
+from marine_model.settings import Settings, read_only_parameters, with_parameters
+from marine_model.yaml_document import FieldPath, YamlDocument, read_yaml
+
+ParameterValue = bool | int | float | str | list[bool] | list[int] | list[float] | list[str]
+NodeParameters = dict[str, dict[str, ParameterValue]]  # by node, by parameter (dots for groups)
+Window = Annotated[tuple[float, float], Field(strict=False)]  # s, start and end
+
+
+class PathPoint(Section):
+    """Where the vessel shall be at one time."""
+
+    at: NonNegative  # s since the start of the run
+    position: Vector3  # m, m, rad in map_ned
+
+
+class Event(Section):
+    """What an operator does at one time: parameters first, then at most one of setpoint, joystick and path."""
+
+    at: NonNegative  # s; whole samples of the control system
+    label: str = ""  # shown in the report
+    parameters: NodeParameters = {}
+    setpoint: Vector3 | None = None  # m, m, rad in map_ned
+    joystick: Vector3 | None = None  # N, N, N m in the body frame
+    path: Annotated[tuple[PathPoint, ...], Field(strict=False, min_length=2)] | None = None
+
+    @model_validator(mode="after")
+    def _one_action(self) -> Self:
+        given = [n for n in ("setpoint", "joystick", "path") if getattr(self, n) is not None]
+        if len(given) > 1:
+            raise ValueError(f"expected at most one of setpoint, joystick and path, found {given}")
+        if not given and not self.parameters:
+            raise ValueError("expected parameters, setpoint, joystick or path, found none of them")
+        times = [point.at for point in self.path or ()]
+        if any(later <= earlier for earlier, later in pairwise(times)):
+            raise ValueError(f"path: expected times that increase, found {times}")
+        return self
+
+
+class CloseUp(Section):
+    """A part of the run that the report also shows enlarged."""
+
+    title: str = Field(min_length=1)
+    window: str
+
+
+class Scenario(Section):
+    """One scenario file."""
+
+    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$")
+    title: str = Field(min_length=1)
+    description: str
+    source: str = ""  # where the thesis describes it
+    vessel: str  # name, or path (from the scenario's folder)
+    duration: Positive  # s; whole samples of the control system
+    seed: int = Field(default=0, ge=0)
+    parameters: NodeParameters = {}  # at start
+    events: Annotated[tuple[Event, ...], Field(strict=False)] = ()
+    windows: dict[str, Window] = {}
+    close_ups: Annotated[tuple[CloseUp, ...], Field(strict=False)] = ()
+    figures: Annotated[tuple[FigureSpec, ...], Field(strict=False)] = ()
+    _path: Path | None = PrivateAttr(default=None)
+
+    @property
+    def path(self) -> Path | None:
+        """File that this was loaded from; None if it was made otherwise."""
+        return self._path
+
+    @property
+    def run(self) -> str:
+        """Name in figures.json: ``a`` for ``run_a``."""
+        return self.name.removeprefix("run_")
+
+    @property
+    def start_parameters(self) -> NodeParameters:
+        """Parameters that every node is started with, by node; the seed is among them."""
+        simulator = {"seed": self.seed, **self.parameters.get(SIMULATOR, {})}
+        return {**self.parameters, SIMULATOR: simulator}
+
+    def settings(self, vessel: Vessel) -> dict[str, Settings]:
+        """Return the settings of every node at start.
+
+        Raises
+        ------
+        InputError
+            If a node or parameter is unknown, or a value is refused.
+        """
+        settings = default_settings(vessel)
+        for node, changes in self.start_parameters.items():
+            if node not in settings:
+                raise InputError(f"node: expected one of {', '.join(settings)}, found '{node}'")
+            settings[node] = with_parameters(settings[node], changes)
+        return settings
+
+
+def scenario_folder() -> Path:
+    """Return the folder of the scenarios that come with dp_bringup.
+
+    Raises
+    ------
+    WorkspaceError
+        If dp_bringup is not built.
+    """
+    return share("dp_bringup") / "scenarios"
+
+
+def scenario_names() -> tuple[str, ...]:
+    """Return the names of the scenarios that come with dp_bringup, sorted."""
+    return tuple(sorted(path.stem for path in scenario_folder().glob("*.yaml")))
+
+
+def scenario_path(name_or_path: str | Path) -> Path:
+    """Return the file of a scenario. Raises UnknownNameError, WorkspaceError."""
+    path = Path(name_or_path)
+    if path.suffix in (".yaml", ".yml") or len(path.parts) > 1:
+        if not path.is_file():
+            raise UnknownNameError(f"scenario: no such file: {path}")
+        return path
+    known = scenario_folder() / f"{path}.yaml"
+    if not known.is_file():
+        raise UnknownNameError(
+            f"scenario: expected a path or one of {', '.join(scenario_names())}, found '{name_or_path}'"
+        )
+    return known
+
+
+def load_scenario(name_or_path: str | Path) -> Scenario:
+    """Return a validated scenario.
+
+    Parameters
+    ----------
+    name_or_path
+        A name out of ``scenario_names()``, or the path of a YAML file (anything with a folder or a suffix).
+
+    Raises
+    ------
+    UnknownNameError
+        If no scenario has that name, or the path does not exist.
+    DocumentError
+        If the file cannot be read or breaks the schema, or a node, parameter or window is unknown, or a time does not
+        fit: one line per problem, with file, line and field.
+    """
+    document = read_yaml(scenario_path(name_or_path))
+    vessel_file = document.content.get("vessel")
+    if isinstance(vessel_file, str) and (document.path.parent / vessel_file).is_file():
+        document.content["vessel"] = str(document.path.parent / vessel_file)
+    scenario = document.validate(Scenario)
+    problems = list(_problems(scenario, document))
+    if problems:
+        raise DocumentError("\n".join(problems))
+    scenario._path = document.path.absolute()
+    return scenario
+
+
+def _problems(scenario: Scenario, document: YamlDocument) -> Iterator[str]:
+    try:
+        vessel = load_vessel(scenario.vessel)
+    except UnknownNameError as error:
+        yield document.problem(("vessel",), str(error))
+        return
+    for field, message in (
+        *_time_problems(scenario, vessel.measurement.sample_time),
+        *_window_problems(scenario),
+        *_figure_problems(scenario),
+        *_parameter_problems(scenario, vessel),
+    ):
+        yield document.problem(field, message)
+
+
+def _time_problems(scenario: Scenario, sample: float) -> Iterator[tuple[FieldPath, str]]:
+    """Times are whole samples, so that an event has one meaning on the graph and in process."""
+    times: list[tuple[FieldPath, float]] = [(("duration",), scenario.duration)]
+    times += [(("events", i, "at"), event.at) for i, event in enumerate(scenario.events)]
+    for field, time in times:
+        if abs(time / sample - round(time / sample)) > 1e-6:  # decimals such as 0.6 / 0.2 are not exact
+            yield field, f"expected a whole multiple of the sample time of {sample} s, found {time}"
+        elif time > scenario.duration:
+            yield field, f"expected a time within the duration of {scenario.duration} s, found {time}"
+    for i, (earlier, later) in enumerate(pairwise(scenario.events)):
+        if later.at < earlier.at:
+            yield ("events", i + 1, "at"), f"expected events in order of time, found {later.at} after {earlier.at}"
+
+
+def _window_problems(scenario: Scenario) -> Iterator[tuple[FieldPath, str]]:
+    for name, (start, end) in scenario.windows.items():
+        if not 0.0 <= start < end <= scenario.duration:
+            yield (
+                ("windows", name),
+                f"expected 0 <= start < end <= {scenario.duration}, found {[start, end]}",
+            )
+    uses: list[tuple[FieldPath, str]] = [
+        (("close_ups", i, "window"), close_up.window) for i, close_up in enumerate(scenario.close_ups)
+    ]
+    for i, figure in enumerate(scenario.figures):
+        uses += [(("figures", i, field), window) for field, window in windows_of(figure)]
+    for field, window in uses:
+        if window not in scenario.windows:
+            known = ", ".join(scenario.windows) or "none"
+            yield field, f"expected a name out of windows ({known}), found '{window}'"
+
+
+def _figure_problems(scenario: Scenario) -> Iterator[tuple[FieldPath, str]]:
+    seen: set[str] = set()
+    for i, figure in enumerate(scenario.figures):
+        if figure.name in seen:
+            yield ("figures", i, "name"), f"every name must be unique, found '{figure.name}' twice"
+        seen.add(figure.name)
+
+
+def _parameter_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[FieldPath, str]]:
+    """Apply every change in order of time to the settings that hold by then, as the nodes will."""
+    if "seed" in scenario.parameters.get(SIMULATOR, {}):
+        yield ("parameters", SIMULATOR, "seed"), "the seed is the scenario's own field 'seed'"
+    settings = default_settings(vessel)
+    changes: list[tuple[FieldPath, NodeParameters, bool]] = [(("parameters",), scenario.parameters, True)]
+    changes += [(("events", i, "parameters"), e.parameters, False) for i, e in enumerate(scenario.events)]
+    for place, nodes, at_start in changes:
+        for node, values in nodes.items():
+            if node not in settings:
+                yield (*place, node), f"expected one of {', '.join(settings)}, found '{node}'"
+                continue
+            if not at_start:
+                for name in read_only_parameters(type(settings[node])) & set(values):
+                    yield (*place, node, name), "cannot change while the node runs; set it under parameters"
+            try:
+                settings[node] = with_parameters(settings[node], values)
+            except InputError as whole:
+                yield _blame((*place, node), settings[node], values, whole)
+
+
+def _blame(
+    place: FieldPath, settings: Settings, values: Mapping[str, ParameterValue], whole: InputError
+) -> tuple[FieldPath, str]:
+    """Return the first value that is wrong by itself; else the node, as only the combination is wrong."""
+    for name, value in values.items():
+        try:
+            with_parameters(settings, {name: value})
+        except InputError as error:
+            return (*place, name), str(error)
+    return place, str(whole)
