@@ -140,13 +140,15 @@ def scenario_path(name_or_path: str | Path) -> Path:
     return known
 
 
-def load_scenario(name_or_path: str | Path) -> Scenario:
+def load_scenario(name_or_path: str | Path, vessel: Vessel | None = None) -> Scenario:
     """Return a validated scenario.
 
     Parameters
     ----------
     name_or_path
         A name out of ``scenario_names()``, or the path of a YAML file (anything with a folder or a suffix).
+    vessel
+        Vessel to check it against instead of the one that it names.
 
     Raises
     ------
@@ -161,19 +163,31 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
     if isinstance(vessel_file, str) and (document.path.parent / vessel_file).is_file():
         document.content["vessel"] = str(document.path.parent / vessel_file)
     scenario = document.validate(Scenario)
-    problems = list(_problems(scenario, document))
+    problems = list(_problems(scenario, document, vessel))
     if problems:
         raise DocumentError("\n".join(problems))
     scenario._path = document.path.absolute()
     return scenario
 
 
-def _problems(scenario: Scenario, document: YamlDocument) -> Iterator[str]:
-    try:
-        vessel = load_vessel(scenario.vessel)
-    except UnknownNameError as error:
-        yield document.problem(("vessel",), str(error))
-        return
+def free_run(vessel: str, duration: float) -> Scenario:
+    """Return the scenario of a run that followed none: no events, nothing to measure."""
+    return Scenario(
+        name="free_run",
+        title="Run without a scenario",
+        description="The graph ran until it was stopped.",
+        vessel=vessel,
+        duration=max(duration, 1e-3),
+    )
+
+
+def _problems(scenario: Scenario, document: YamlDocument, vessel: Vessel | None) -> Iterator[str]:
+    if vessel is None:
+        try:
+            vessel = load_vessel(scenario.vessel)
+        except UnknownNameError as error:
+            yield document.problem(("vessel",), str(error))
+            return
     for field, message in (
         *_time_problems(scenario, vessel.measurement.sample_time),
         *_window_problems(scenario),

@@ -5,6 +5,9 @@ from __future__ import annotations
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
+# Name of the metadata record of a bag that holds them.
+VERSIONS_RECORD = "versions"
+
 _DISTRIBUTIONS = ("dp_tools", "numpy", "daqp")
 
 
