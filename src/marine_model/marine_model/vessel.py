@@ -65,6 +65,13 @@ class Vessel(Section):
             raise ValueError("thrusters: all lever arms are zero, so that no yaw moment is possible")
         if np.linalg.matrix_rank(self._attainable_directions()) < 3:
             raise ValueError("thrusters: together they cannot produce surge, sway and yaw independently")
+        masses = [self.manoeuvring.rigid_body_mass[i][i] for i in (0, 1)]
+        # Both are written down, to the digits of their sources.
+        if any(abs(mass - self.hull.mass) > 0.01 * self.hull.mass for mass in masses):
+            raise ValueError(
+                "manoeuvring.rigid_body_mass must have hull.mass for surge and sway within 1 %, "
+                f"found {masses} and {self.hull.mass}"
+            )
         steps = self.measurement.sample_time / self.simulation.time_step
         if abs(steps - round(steps)) > 1e-9 or round(steps) < 1:
             raise ValueError(
