@@ -263,15 +263,17 @@ class Allocator:
         said = f" ({solution.message})" if solution.message else ""
         return (
             f"{self._solver.name} failed{said}: violation {residuals.violation:.3g} N, "
-            f"stationarity {residuals.stationarity:.3g}, complementarity {residuals.complementarity:.3g}"
+            f"stationarity {residuals.stationarity:.3g}, dual violation {residuals.dual_violation:.3g}, "
+            f"complementarity {residuals.complementarity:.3g}"
         )
 
     def _commands(self, plans: list[Plan], solution: Solution | None) -> list[tuple[float, float]]:
         """Return thrust and direction of every thruster, within the plans."""
-        commands = [held_command(plan, thrust) for plan, thrust in zip(plans, self._thrust, strict=True)]
         problem = self._problem
         if solution is None or problem is None:
-            return commands
+            return [held_command(plan, thrust) for plan, thrust in zip(plans, self._thrust, strict=True)]
+        # Lost thrusters have no variable; their plan leaves no choice.
+        commands = [(plan.thrust_lower, plan.azimuth) for plan in plans]
         z = solution.z.tolist()
         for i, j in enumerate(problem.fixed):
             plan = plans[j]

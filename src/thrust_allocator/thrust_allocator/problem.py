@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 
@@ -11,6 +12,11 @@ from marine_model import Vessel
 from marine_model.guards import FloatArray
 from marine_model.thruster_configuration import cartesian_configuration, polar_configuration
 from thrust_allocator.polygon import ROWS, rotating_rows
+
+
+def _numbers(array: FloatArray) -> memoryview[float]:
+    """Return a writable view of all elements of ``array`` in a row."""
+    return cast("memoryview[float]", memoryview(cast("Any", array.reshape(-1))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,9 +111,9 @@ class AllocationProblem:
         self.b_upper = np.zeros(k + ROWS * r)
         self._gain = np.zeros((m, 3))
         # Single numbers go in through memory views, which costs half of what indexing an array does.
-        self._a = memoryview(self.A.reshape(-1))
-        self._lower = memoryview(self.b_lower)
-        self._upper = memoryview(self.b_upper)
+        self._a = _numbers(self.A)
+        self._lower = _numbers(self.b_lower)
+        self._upper = _numbers(self.b_upper)
         both = cartesian_configuration(weights.lever_x, weights.lever_y)
         n = len(weights.lever_x)
         for i, j in enumerate(self.rotating):
