@@ -156,8 +156,7 @@ class Allocator:
         can_rotate = self._vessel.can_rotate
         self._thrust: list[float] = thrusts
         self._azimuth: list[float] = [
-            wrap_angle(angles[j] if can_rotate[j] else float(self._vessel.fixed_direction[j]))
-            for j in range(n)
+            wrap_angle(angles[j] if can_rotate[j] else float(self._vessel.fixed_direction[j])) for j in range(n)
         ]
         self._demand = np.zeros(3)
         self._solution: Solution | None = None
@@ -222,9 +221,7 @@ class Allocator:
 
     def _pose(self, plans: list[Plan], tau: FloatArray) -> AllocationProblem | None:
         """Return the problem of this step; None when there is no thruster to allocate."""
-        layout = tuple(
-            [None if plan.phase is Phase.LOST else plan.phase is Phase.ROTATING for plan in plans]
-        )
+        layout = tuple([None if plan.phase is Phase.LOST else plan.phase is Phase.ROTATING for plan in plans])
         problem = self._problem
         if layout != self._layout:
             fixed = [j for j, rotates in enumerate(layout) if rotates is False]
@@ -247,9 +244,7 @@ class Allocator:
             problem.point(directions)
             self._pointed = directions
         x, y, n = tau.tolist()
-        excess = max(
-            abs(x) / self._largest_force, abs(y) / self._largest_force, abs(n) / self._largest_moment
-        )
+        excess = max(abs(x) / self._largest_force, abs(y) / self._largest_force, abs(n) / self._largest_moment)
         problem.demand(tau if excess <= 1.0 else tau / excess)
         return problem
 

@@ -94,7 +94,22 @@ class AllocationProblem:
         Indices of the thrusters allocated in either form; a thruster in neither has its column set to zero.
     """
 
-    __slots__ = ("A", "B", "H", "_a", "_gain", "_lower", "_upper", "b_lower", "b_upper", "f", "fixed", "rotating", "tau", "weights")
+    __slots__ = (
+        "A",
+        "B",
+        "H",
+        "_a",
+        "_gain",
+        "_lower",
+        "_upper",
+        "b_lower",
+        "b_upper",
+        "f",
+        "fixed",
+        "rotating",
+        "tau",
+        "weights",
+    )
 
     def __init__(self, weights: Weights, fixed: Sequence[int], rotating: Sequence[int]) -> None:
         self.weights = weights

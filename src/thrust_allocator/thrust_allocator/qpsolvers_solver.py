@@ -14,7 +14,6 @@ from thrust_allocator.solution import Solution, judge
 from thrust_allocator.solver import Solver
 
 
-
 @dataclass(frozen=True, slots=True)
 class _Recipe:
     """What makes a solver accurate on this problem: form, kind of matrix, options."""
@@ -28,9 +27,7 @@ class _Recipe:
 # inconsistent and clarabel is 2e-3 N off, while osqp diverges when it is weighted.
 RECIPES: Mapping[str, _Recipe] = {
     "clarabel": _Recipe(True, True, {"tol_gap_abs": 1e-10, "tol_gap_rel": 1e-10, "tol_feas": 1e-10}),
-    "osqp": _Recipe(
-        False, True, {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 100_000, "polishing": True}
-    ),
+    "osqp": _Recipe(False, True, {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 100_000, "polishing": True}),
     "piqp": _Recipe(True, False, {"eps_abs": 1e-10, "eps_rel": 1e-10}),
     "quadprog": _Recipe(True, False, {}),
 }
