@@ -174,8 +174,9 @@ def test_lockstep_publishes_every_stamp_once_and_is_bit_identical(graph: Callabl
         one = graph(**LOCKSTEP, **SEA)
         answer = one.advance(2.0)
         assert (answer.success, answer.message, answer.reached) == (True, "", 2.0)
-        one.wait(lambda one=one: len(one.drivers.clock) == 100, "the last clock arrived")
         drivers = one.drivers
+        clock = drivers.clock
+        one.wait(lambda: len(clock) == 100, "the last clock arrived")  # noqa: B023 - called in this turn only
         assert stamps(drivers.poses) == list(range(0, 100 * STEP, CONTROL * STEP))
         assert stamps(drivers.truth) == stamps(drivers.environment) == stamps(drivers.poses)
         assert stamps(drivers.feedback) == list(range(0, 100 * STEP, STEP))
