@@ -74,10 +74,10 @@ class TimeToDemand(_Figure):
 
 
 class AzimuthStep(_Figure):
-    """Largest turn of a commanded direction between two samples in a window, deg."""
+    """Largest turn of a commanded direction between two samples, deg."""
 
     kind: Literal["azimuth_step"]
-    window: str
+    window: str = ""  # empty: the whole run
 
 
 class LimitViolations(_Figure):
@@ -103,6 +103,6 @@ def windows_of(figure: FigureSpec) -> tuple[tuple[str, str], ...]:
     """Return (field, window name) of every window that ``figure`` needs."""
     if isinstance(figure, MeanPowerChange):
         return ("baseline", figure.baseline), ("compared", figure.compared)
-    if isinstance(figure, LimitViolations):
+    if isinstance(figure, LimitViolations) or not figure.window:
         return ()
     return (("window", figure.window),)

@@ -130,7 +130,9 @@ def _compute(spec: FigureSpec, run: RunData, scenario: Scenario, vessel: Vessel)
     if isinstance(spec, TimeToDemand):
         return Figure(spec, _longest_time_to_demand(spec, run, scenario), "s")
     if isinstance(spec, AzimuthStep):
-        azimuth = run["azimuth_command"].window(*scenario.windows[spec.window])
+        azimuth = run["azimuth_command"]
+        if spec.window:
+            azimuth = azimuth.window(*scenario.windows[spec.window])
         turn = wrap_angles(np.diff(azimuth.values, axis=0))
         return Figure(spec, math.degrees(float(np.abs(turn).max())), "deg")
     count = sum(check.violations for check in limits_violations(run, vessel))
@@ -195,7 +197,7 @@ def times_to_demand(spec: TimeToDemand, run: RunData, scenario: Scenario) -> tup
         elif outside[-1] + 1 == len(achieved.t):
             answers.append((at, None))
         else:
-            answers.append((at, float(achieved.t[outside[-1] + 1]) - at))
+            answers.append((at, round(float(achieved.t[outside[-1] + 1]) - at, 9)))  # stamps are whole ns
     return tuple(answers)
 
 

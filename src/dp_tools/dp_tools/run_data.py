@@ -31,7 +31,7 @@ from marine_model.guards import FloatArray
 #   shaft_speed  Hz         motor_torque  N m          power  W         azimuth  rad
 #   torque_setpoint  N m    azimuth_rate_setpoint  rad/s
 # True state, where a simulator sailed:
-#   truth_position          m, m, rad       with wave motion, map_ned
+#   truth_position          m, m, rad       with wave motion, map_ned; at the times of the poses
 WIDTHS: Mapping[str, int] = {
     "pose": 3,
     "estimate_position": 3,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from dp_tools.run_data import RunData, Series
 from marine_model import Vessel
@@ -56,3 +57,28 @@ def unwrapped_degrees(heading: FloatArray) -> FloatArray:
     known = np.isfinite(heading)
     degrees[known] = np.degrees(np.unwrap(heading[known]))
     return degrees
+
+
+def averaged(series: Series, interval: float) -> Series:
+    """Return the means over successive intervals (s), each at the time of its first sample; a last part is left out."""
+    if len(series.t) < 2:
+        return series
+    count = max(1, round(interval / float(series.t[1] - series.t[0])))
+    whole = len(series.t) // count * count
+    means = series.values[:whole].reshape(-1, count, series.values.shape[1]).mean(axis=1)
+    return Series(series.t[:whole:count], means)
+
+
+def low_frequency_truth(run: RunData, vessel: Vessel) -> Series:
+    """Return the true position without wave motion, through a filter that needs the future and so has no delay.
+
+    A Gaussian weight of 2.8 / omega_0 leaves exp(-2.8^2 / 2) = 2 % at the observer's wave frequency omega_0 and 98 % at a
+    tenth of it. It stands in the report only, as something to hold the observer against.
+    """
+    truth = run["truth_position"]
+    if len(truth.t) < 2:
+        return truth
+    width = 2.8 / min(vessel.observer.wave_frequency) / float(truth.t[1] - truth.t[0])
+    position = truth.values.copy()
+    position[:, 2] = np.unwrap(position[:, 2])
+    return Series(truth.t, gaussian_filter1d(position, width, axis=0, mode="nearest"))

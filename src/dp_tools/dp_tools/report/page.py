@@ -221,15 +221,13 @@ def _facts(run: RunData, scenario: Scenario, vessel: Vessel) -> list[tuple[str, 
         ("Scenario", scenario.name),
         ("Sailed", info.how),
         ("Seed", str(info.seed)),
-        ("Duration", f"{number(run.duration, 4)} s"),
+        ("Duration", f"{info.simulated_time or run.duration:g} s"),
     ]
     if info.real_time_factor is not None:
         facts.append(("Wall time", f"{number(info.wall_time)} s"))
         facts.append(("Real-time factor", number(info.real_time_factor)))
-    if info.started:
-        facts.append(("Started", info.started))
     return facts
 
 
 def _span_text(span: tuple[float, float]) -> str:
-    return f"{number(span[0], 4)} s to {number(span[1], 4)} s"
+    return f"{span[0]:g} s to {span[1]:g} s"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from marine_model.guards import FloatArray
 
 WIDTH = 10.6  # inch
 # Fixed margins (inch), so that the time axes of all pictures on a page stand beneath one another.
-_LEFT, _RIGHT, _BOTTOM, _GAP = 0.86, 0.12, 0.5, 0.14
+_LEFT, _RIGHT, _BOTTOM, _GAP, _GAP_LEGEND = 0.92, 0.12, 0.5, 0.14, 0.36
 _TOP_LEGEND, _TOP_LABELS, _TOP_SLANTED = 0.3, 0.17, 0.42
 # More labels than this stand at an angle, or they run into one another.
 _LEVEL_LABELS = 5
@@ -39,6 +39,8 @@ class Panels:
         Height of one panel, inch.
     marked
         Names of the windows that are shaded.
+    own_legends
+        True for a legend above every panel, False for one above all.
     """
 
     def __init__(
@@ -48,27 +50,32 @@ class Panels:
         span: tuple[float, float],
         height: float = 1.5,
         marked: Sequence[str] = (),
+        own_legends: bool = False,
     ) -> None:
         self.span = span
         shown = [e for e in scenario.events if e.label and span[0] <= e.at < span[1]]
         self._slanted = len(shown) > _LEVEL_LABELS
         count = len(labels)
         top = _TOP_LEGEND + (_TOP_SLANTED if self._slanted else _TOP_LABELS if shown else 0.0)
-        total = top + count * height + (count - 1) * _GAP + _BOTTOM
+        gap = _GAP_LEGEND if own_legends else _GAP
+        self._own_legends = own_legends
+        total = top + count * height + (count - 1) * gap + _BOTTOM
         self.figure = Figure(figsize=(WIDTH, total))
         grid = {
             "left": _LEFT / WIDTH,
             "right": 1.0 - _RIGHT / WIDTH,
             "bottom": _BOTTOM / total,
             "top": 1.0 - top / total,
-            "hspace": _GAP / height,
+            "hspace": gap / height,
         }
         axes = self.figure.subplots(count, 1, sharex=True, gridspec_kw=grid)
         self.axes: list[Any] = np.atleast_1d(axes).tolist()
         self._handles: list[dict[str, Any]] = [{} for _ in labels]
         for axis, label in zip(self.axes, labels, strict=True):
             axis.set_ylabel(label)
-            axis.yaxis.set_label_coords(-0.62 / (WIDTH - _LEFT - _RIGHT), 0.5)
+            # From the left edge inwards, so that labels of one and of two lines both fit.
+            axis.yaxis.label.set_verticalalignment("top")
+            axis.yaxis.set_label_coords(-(_LEFT - 0.04) / (WIDTH - _LEFT - _RIGHT), 0.5)
             axis.set_xlim(*span)
             self._mark(axis, scenario, marked)
         self.axes[-1].set_xlabel("time (s)")
@@ -118,8 +125,9 @@ class Panels:
                 color=color,
                 fontweight="bold",
             )
-        low, high = self.axes[panel].get_ylim()
-        self.axes[panel].set_ylim(low, high + 0.16 * (high - low))
+        if marked:
+            low, high = self.axes[panel].get_ylim()
+            self.axes[panel].set_ylim(low, high + 0.16 * (high - low))
 
     def headline(self, text: str) -> None:
         """Put a title at the top, for a picture that stands alone."""
@@ -127,39 +135,36 @@ class Panels:
             0.01, 1.0 - 0.06 / self.figure.get_figheight(), text, va="top", fontsize=11.5, fontweight="bold", color=style.INK
         )
 
-    def legend(self) -> None:
-        """Put one legend for all panels above them."""
-        handles: dict[str, Any] = {}
+    def legends(self) -> None:
+        """Say which line is what, above the panels."""
+        if self._own_legends:
+            self._legend_on_top(self._handles[0])
+            for axis, own in zip(self.axes[1:], self._handles[1:], strict=True):
+                axis.legend(
+                    handles=list(own.values()),
+                    labels=list(own),
+                    loc="lower right",
+                    bbox_to_anchor=(1.0, 1.03),
+                    ncols=len(own),
+                )
+            return
+        merged: dict[str, Any] = {}
         for own in self._handles:
-            for label, handle in own.items():
-                handles.setdefault(label, handle)
-        height = self.figure.get_figheight()
+            merged = own | merged
+        self._legend_on_top(merged)
+
+    def _legend_on_top(self, handles: Mapping[str, Any]) -> None:
         self.figure.legend(
             handles=list(handles.values()),
             labels=list(handles),
             loc="upper right",
-            bbox_to_anchor=(1.0 - _RIGHT / WIDTH, 1.0 - 0.06 / height),
+            bbox_to_anchor=(1.0 - _RIGHT / WIDTH, 1.0 - 0.06 / self.figure.get_figheight()),
             ncols=len(handles),
         )
 
-    def legends(self) -> None:
-        """Give every panel that shows more than one signal a legend of its own."""
-        for axis, own in zip(self.axes, self._handles, strict=True):
-            if len(own) > 1:
-                axis.legend(
-                    handles=list(own.values()),
-                    labels=list(own),
-                    loc="upper left",
-                    ncols=len(own),
-                    borderaxespad=0.3,
-                    frameon=True,
-                    framealpha=0.85,
-                    edgecolor="none",
-                    borderpad=0.2,
-                )
-
     def image(self) -> str:
-        """Return the picture as a data URI (SVG)."""
+        """Add legends and return the picture as a data URI (SVG)."""
+        self.legends()
         return svg_uri(self.figure)
 
     def _mark(self, axis: Any, scenario: Scenario, marked: Sequence[str]) -> None:

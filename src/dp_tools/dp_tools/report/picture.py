@@ -32,6 +32,7 @@ def write_picture(run: RunData, scenario: Scenario, vessel: Vessel, path: Path) 
             scene.whole,
             height=1.45,
             marked=scene.measured_windows,
+            own_legends=True,
         )
         estimate = run["estimate_position"]
         panels.draw(0, estimate.t, estimate.values[:, 0], "north", style.COMMANDED)
@@ -47,7 +48,7 @@ def write_picture(run: RunData, scenario: Scenario, vessel: Vessel, path: Path) 
             panels.draw(2, command.t, degrees, name, color, drawstyle="steps-post")
         total = total_power(run)
         panels.draw(3, total.t, total.values[:, 0], "power", style.MEASURED, linewidth=0.8)
-        panels.means(3, total, scenario, scene.measured_windows, "W")
+        panels.means(3, total, scenario, scene.power_windows, "W")
         panels.headline(scenario.title)
         panels.legends()
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -4,18 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from dp_tools.figure_specs import windows_of
+from dp_tools.figure_specs import MeanPower, MeanPowerChange, windows_of
 from dp_tools.report import style
 from dp_tools.report.panels import Panels, svg_uri
 from dp_tools.report.thinning import break_turns
-from dp_tools.run_data import RunData
+from dp_tools.run_data import RunData, Series
 from dp_tools.scenario import Scenario
-from dp_tools.signals import measured_force, measured_thrust, total_power, unwrapped_degrees
+from dp_tools.signals import (
+    averaged,
+    low_frequency_truth,
+    measured_force,
+    measured_thrust,
+    total_power,
+    unwrapped_degrees,
+)
 from marine_model import Vessel
+from marine_model.frames import wrap_angles
 
 _FORCE_LABELS = ("surge (N)", "sway (N)", "yaw (N m)")
 _PLACE_LABELS = ("north (m)", "east (m)", "heading (deg)")
@@ -56,9 +65,24 @@ class Scene:
         close_ups = {close_up.window for close_up in self.scenario.close_ups}
         return tuple(name for name in self.scenario.windows if name in used - close_ups)
 
-    def panels(self, labels: tuple[str, ...], span: Span, height: float = 1.5) -> Panels:
+    @property
+    def power_windows(self) -> tuple[str, ...]:
+        """Windows whose mean power is asked for."""
+        powers = [spec for spec in self.scenario.figures if isinstance(spec, MeanPower | MeanPowerChange)]
+        used = {window for spec in powers for _, window in windows_of(spec)}
+        return tuple(name for name in self.measured_windows if name in used)
+
+    @property
+    def automatic(self) -> bool:
+        """True if the controller held anything automatically at any time."""
+        terms = ("proportional", "integral", "derivative")
+        return any(name in self.run and bool(self.run[name].values.any()) for name in terms)
+
+    def panels(
+        self, labels: tuple[str, ...], span: Span, height: float = 1.5, own_legends: bool = False
+    ) -> Panels:
         """Return empty panels for this run."""
-        return Panels(labels, self.scenario, span, height, self.measured_windows)
+        return Panels(labels, self.scenario, span, height, self.measured_windows, own_legends)
 
 
 def pictures(scene: Scene) -> Iterator[Picture]:
@@ -74,7 +98,7 @@ def pictures(scene: Scene) -> Iterator[Picture]:
         (("proportional", "integral", "derivative"), control_terms),
     )
     for needed, maker in makers:
-        if all(name in scene.run for name in needed):
+        if all(name in scene.run for name in needed) and (maker is not control_terms or scene.automatic):
             yield maker(scene, scene.whole)
 
 
@@ -91,25 +115,20 @@ def close_up_pictures(scene: Scene, window: str) -> Iterator[Picture]:
             yield maker(scene, span)
 
 
-def finished(panels: Panels) -> str:
-    """Put a legend above and return the picture as a data URI."""
-    panels.legend()
-    return panels.image()
-
-
 def position(scene: Scene, span: Span) -> Picture:
     """Position and heading, Figure 4.5."""
     run = scene.run
     panels = scene.panels(_PLACE_LABELS, span, height=1.55)
-    for name, label, color, line in (
-        ("pose", "measured, with wave motion", style.RAW, {"linewidth": 0.7}),
-        ("truth_position", "true, without wave motion", style.MEASURED, {"linewidth": 1.6}),
-        ("estimate_position", "estimate", style.COMMANDED, {"linewidth": 1.0}),
-        ("reference_position", "reference", style.DESIRED, {"linestyle": (0, (5, 2))}),
-    ):
-        if name not in run:
-            continue
-        series = run[name]
+    lines: list[tuple[Series, str, str, dict[str, Any]]] = []
+    if "pose" in run:
+        lines.append((run["pose"], "measured, with wave motion", style.RAW, {"linewidth": 0.7}))
+    if "truth_position" in run:
+        truth = low_frequency_truth(run, scene.vessel)
+        lines.append((truth, "true, wave motion filtered out", style.MEASURED, {"linewidth": 1.8}))
+    lines.append((run["estimate_position"], "estimate", style.COMMANDED, {"linewidth": 1.0}))
+    if "reference_position" in run and scene.automatic:
+        lines.append((run["reference_position"], "reference", style.DESIRED, {"linestyle": (0, (5, 2))}))
+    for series, label, color, line in lines:
         for i in range(3):
             values = series.values[:, i]
             panels.draw(i, series.t, unwrapped_degrees(values) if i == 2 else values, label, color, **line)
@@ -117,8 +136,9 @@ def position(scene: Scene, span: Span) -> Picture:
         panels.at_least(i, height)
     return Picture(
         "Position and heading",
-        "The observer's low-frequency estimate follows the true motion and leaves the wave motion out.",
-        finished(panels),
+        "The observer's low-frequency estimate should follow the true motion and leave the wave motion out. The true motion is shown "
+        "through a filter without delay.",
+        panels.image(),
         "North, east and heading over time: measured, true, estimated and reference",
     )
 
@@ -126,15 +146,15 @@ def position(scene: Scene, span: Span) -> Picture:
 def power(scene: Scene, span: Span) -> Picture:
     """Developed power, total and by thruster, Figure 4.6."""
     run = scene.run
-    panels = scene.panels(("total (W)", "by thruster (W)"), span, height=1.9)
+    panels = scene.panels(("total (W)", "by thruster (W)"), span, height=1.9, own_legends=True)
     total = total_power(run)
     panels.draw(0, total.t, total.values[:, 0], "developed power", style.MEASURED, linewidth=0.8)
     if "thrust_command" in run:
         command = run["thrust_command"]
         demanded = scene.vessel.propellers.power(command.values).sum(axis=1)
         panels.draw(0, command.t, demanded, "of the commanded thrusts", style.COMMANDED, linewidth=0.9)
-    panels.means(0, total, scene.scenario, scene.measured_windows, "W")
-    by_thruster = run["power"]
+    panels.means(0, total, scene.scenario, scene.power_windows, "W")
+    by_thruster = averaged(run["power"], scene.vessel.measurement.sample_time)
     for j, name in enumerate(run.thrusters):
         panels.draw(
             1,
@@ -144,10 +164,10 @@ def power(scene: Scene, span: Span) -> Picture:
             style.THRUSTERS[j % len(style.THRUSTERS)],
             linewidth=0.8,
         )
-    panels.legends()
     return Picture(
         "Power",
-        "Developed power 2 π n Q from measured shaft speed n and motor torque Q. It is negative while a propeller is braked.",
+        "Developed power 2 π n Q from measured shaft speed n and motor torque Q; it is negative while a propeller is braked. "
+        "By thruster: averaged over samples of the control system, so that sensor noise does not hide one behind another.",
         panels.image(),
         "Developed power over time, total and by thruster",
     )
@@ -179,7 +199,7 @@ def forces(scene: Scene, span: Span) -> Picture:
         "Generalized forces",
         "Desired by the controller, commanded by the allocator, and measured: worked out from measured shaft speeds "
         "and azimuth angles (τ_RAW in the thesis), sensor noise included.",
-        finished(panels),
+        panels.image(),
         "Generalized force in surge, sway and yaw over time: desired, commanded, measured",
     )
 
@@ -191,22 +211,19 @@ def directions(scene: Scene, span: Span) -> Picture:
     panels = scene.panels(
         tuple(f"{run.thrusters[j].replace('_', ' ')}\n(deg)" for j in turning), span, height=1.35
     )
+    command = run["azimuth_command"]
     for row, j in enumerate(turning):
+        commanded = command.values[:, j]
         if "azimuth" in run:
             measured = run["azimuth"]
-            panels.draw(
-                row,
-                measured.t,
-                break_turns(np.degrees(measured.values[:, j])),
-                "measured",
-                style.MEASURED,
-                linewidth=1.6,
-            )
-        command = run["azimuth_command"]
+            # On the same side of 180 deg as the command, or noise would draw lines across the whole panel.
+            held = command.at(measured.t)[:, j]
+            near = held + wrap_angles(measured.values[:, j] - held)
+            panels.draw(row, measured.t, break_turns(np.degrees(near)), "measured", style.MEASURED, linewidth=1.6)
         panels.draw(
             row,
             command.t,
-            break_turns(np.degrees(command.values[:, j])),
+            break_turns(np.degrees(commanded)),
             "commanded",
             style.COMMANDED,
             linewidth=0.9,
@@ -217,7 +234,7 @@ def directions(scene: Scene, span: Span) -> Picture:
     return Picture(
         "Thrust directions",
         "Direction of the thruster force: 0° ahead, 90° to starboard. Lines are broken where an angle passes ±180°.",
-        finished(panels),
+        panels.image(),
         "Directions of the azimuth thrusters over time: commanded and measured",
     )
 
@@ -251,7 +268,7 @@ def thrusts(scene: Scene, span: Span) -> Picture:
     return Picture(
         "Thruster forces",
         "Thrust along the direction of each thruster; measured from shaft speed. Limits are drawn where a thruster came near them.",
-        finished(panels),
+        panels.image(),
         "Thrust of every thruster over time: commanded and measured",
     )
 
@@ -264,18 +281,19 @@ def track(scene: Scene, span: Span) -> Picture:
     axis.set_aspect("equal", adjustable="datalim")
     axis.margins(0.06)
     estimate = run["estimate_position"]
-    axis.plot(estimate.values[:, 1], estimate.values[:, 0], color=style.RAW, linewidth=0.9, label="whole run")
-    for i, name in enumerate(scene.measured_windows):
-        part = estimate.window(*scene.scenario.windows[name])
-        color = style.WINDOW_EDGES[i % len(style.WINDOW_EDGES)]
+    parts = [
+        (name, estimate.window(*scene.scenario.windows[name]), style.WINDOW_EDGES[i % len(style.WINDOW_EDGES)])
+        for i, name in enumerate(scene.measured_windows)
+    ]
+    for name, part, color in parts or [("whole run", estimate, style.COMMANDED)]:
         axis.plot(part.values[:, 1], part.values[:, 0], color=color, linewidth=1.0, label=name)
-    axis.plot(*estimate.values[0, 1::-1], marker="o", markersize=5, color=style.INK, linestyle="none", label="start")
+        axis.plot(part.values[0, 1], part.values[0, 0], marker="o", markersize=4.5, color=color)
     axis.set_xlabel("east (m)")
     axis.set_ylabel("north (m)")
     figure.legend(loc="outside upper right", ncols=4)
     return Picture(
         "Track",
-        "Low-frequency estimate of the position, seen from above.",
+        "Low-frequency estimate of the position, seen from above; a dot marks where each part begins.",
         svg_uri(figure),
         "Track of the vessel in the plane",
         narrow=True,
@@ -296,7 +314,7 @@ def observer(scene: Scene, span: Span) -> Picture:
     return Picture(
         "Observer: wave filter and bias",
         "What the observer takes for wave motion, and the slowly varying environmental force it infers (in the map frame).",
-        finished(panels),
+        panels.image(),
         "Wave-frequency estimate and bias estimate over time",
     )
 
@@ -317,7 +335,7 @@ def control_terms(scene: Scene, span: Span) -> Picture:
     return Picture(
         "Controller: proportional, integral and derivative terms",
         "Their sum is the desired generalized force; the integral term settles at what balances the environment.",
-        finished(panels),
+        panels.image(),
         "Proportional, integral and derivative terms in surge, sway and yaw over time",
     )
 

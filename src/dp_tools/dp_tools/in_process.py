@@ -1,0 +1,227 @@
+"""The closed loop without middleware: the cores of all nodes, called in the order in which messages travel.
+
+With h the time step of the simulator and m steps a sample of the control system, the state at t = k h is answered so:
+
+1. if m divides k: pose -> observer -> controller -> allocator -> command; what the allocator achieves goes back to
+   observer and controller, for their next step;
+2. thruster feedback -> drivers, with the newest command -> actuator setpoints;
+3. the simulator steps from t to t + h.
+
+That is the order of the lockstep graph, and headings pass through quaternions as they do in messages: the trajectory is
+the same.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from datetime import UTC, datetime
+
+import numpy as np
+
+from dp_controller import Controller, ControllerInputs
+from dp_observer import Observer, ObserverInputs
+from dp_tools.node_settings import ALLOCATOR, CONTROLLER, DRIVERS, OBSERVER, SIMULATOR
+from dp_tools.run_data import RunData, RunInfo
+from dp_tools.run_log import RunLog
+from dp_tools.scenario import Event, Scenario
+from dp_tools.versions import versions
+from marine_model import Vessel
+from marine_model.errors import InputError
+from marine_model.frames import heading_to_quaternion, quaternion_to_heading
+from marine_model.guards import FloatArray
+from marine_model.settings import with_parameters
+from thrust_allocator import Allocator
+from thruster_drivers import DriverInputs, Drivers
+from vessel_sim import Simulator, SimulatorInputs
+
+_AT_FEEDBACK = frozenset(
+    ("shaft_speed", "motor_torque", "power", "azimuth", "torque_setpoint", "azimuth_rate_setpoint")
+)
+# Progress is told this often, in control samples.
+_PROGRESS_SAMPLES = 50
+
+
+class ClosedLoop:
+    """Sails one scenario in process.
+
+    Parameters
+    ----------
+    vessel
+        The vessel.
+    scenario
+        Settings at start, events, duration and seed.
+
+    Raises
+    ------
+    InputError
+        If the scenario's parameters are refused or do not fit the vessel.
+    """
+
+    def __init__(self, vessel: Vessel, scenario: Scenario) -> None:
+        self._vessel = vessel
+        self._scenario = scenario
+        self._settings = scenario.settings(vessel)
+        self._cores = {
+            SIMULATOR: (simulator := Simulator(vessel, self._settings[SIMULATOR])),
+            OBSERVER: (observer := Observer(vessel, self._settings[OBSERVER])),
+            CONTROLLER: (controller := Controller(vessel, self._settings[CONTROLLER])),
+            ALLOCATOR: (allocator := Allocator(vessel, self._settings[ALLOCATOR])),
+            DRIVERS: (drivers := Drivers(vessel, self._settings[DRIVERS])),
+        }
+        self._simulator, self._observer, self._controller = simulator, observer, controller
+        self._allocator, self._drivers = allocator, drivers
+
+        self._step_ns = round(vessel.simulation.time_step * 1e9)
+        self._ratio = round(vessel.measurement.sample_time / vessel.simulation.time_step)
+        self._ticks = self._tick_at(scenario.duration)
+        self._tick = 0
+        self._log = RunLog(
+            vessel.thruster_names, -(-self._ticks // self._ratio), self._ticks, _AT_FEEDBACK
+        )
+        n = len(vessel.thrusters)
+        self._tau_achieved: FloatArray = np.zeros(3)
+        self._thrust: FloatArray = np.zeros(n)
+        self._azimuth: FloatArray = np.zeros(n)
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self._tick * self._step_ns * 1e-9
+
+    def run(self, progress: Callable[[float], None] = lambda simulated: None) -> RunData:
+        """Sail the whole scenario and return what was logged; ``progress`` is told the simulated time (s) now and then.
+
+        Raises
+        ------
+        InputError
+            If a core refuses what an event asks; the message says when.
+        """
+        started = datetime.now(UTC).isoformat(timespec="seconds")
+        begin = time.perf_counter()
+        for event in self._scenario.events:
+            self._advance(self._tick_at(event.at), progress)
+            try:
+                self._perform(event)
+            except InputError as error:
+                raise InputError(f"at {event.at} s: {error}") from error
+        self._advance(self._ticks, progress)
+        wall_time = time.perf_counter() - begin
+        info = RunInfo(
+            scenario=self._scenario.name,
+            vessel=self._vessel.name,
+            how="in process",
+            seed=self._scenario.seed,
+            versions=versions(),
+            started=started,
+            simulated_time=self.time,
+            wall_time=wall_time,
+        )
+        return self.data(info)
+
+    def data(self, info: RunInfo) -> RunData:
+        """Return what was logged so far."""
+        feedback_times = np.arange(self._tick) * self._step_ns * 1e-9
+        return self._log.finish(info, feedback_times[:: self._ratio], feedback_times)
+
+    def _tick_at(self, seconds: float) -> int:
+        return round(seconds * 1e9 / self._step_ns)
+
+    def _perform(self, event: Event) -> None:
+        """Do what the operator does: parameters first."""
+        for node, values in event.parameters.items():
+            settings = with_parameters(self._settings[node], values)
+            self._cores[node].apply(settings)
+            self._settings[node] = settings
+        if event.setpoint is not None:
+            self._controller.set_setpoint(_as_sent(np.array(event.setpoint)))
+        if event.joystick is not None:
+            self._controller.set_joystick(np.array(event.joystick), event.at)
+        if event.path is not None:
+            self._controller.set_path(
+                np.array([point.at for point in event.path]),
+                np.array([_as_sent(np.array(point.position)) for point in event.path]),
+            )
+
+    def _advance(self, until: int, progress: Callable[[float], None]) -> None:
+        """Sail to tick ``until``."""
+        simulator, drivers = self._simulator, self._drivers
+        ratio, step_ns, step = self._ratio, self._step_ns, self._vessel.simulation.time_step
+        rows = self._log.rows
+        shaft_speed, motor_torque, power, azimuth = (
+            rows["shaft_speed"], rows["motor_torque"], rows["power"], rows["azimuth"],
+        )
+        torque_setpoint, rate_setpoint = rows["torque_setpoint"], rows["azimuth_rate_setpoint"]
+        elapsed = step_ns * 1e-9  # as nodes find it from stamps
+        output = simulator.output
+        for k in range(self._tick, until):
+            phase = k % ratio
+            if phase == 0:
+                self._control(k)
+                if k % (ratio * _PROGRESS_SAMPLES) == 0:
+                    progress(k * step_ns * 1e-9)
+            shaft_speed[k] = output.shaft_speed
+            motor_torque[k] = output.torque
+            power[k] = output.power
+            azimuth[k] = output.azimuth
+            age = phase * step_ns * 1e-9
+            setpoint = drivers.step(
+                DriverInputs(
+                    self._thrust, self._azimuth, age, output.shaft_speed, output.torque, output.azimuth
+                ),
+                elapsed if k else step,
+            )
+            torque_setpoint[k] = setpoint.torque
+            rate_setpoint[k] = setpoint.azimuth_rate
+            output = simulator.step(SimulatorInputs(setpoint.torque, setpoint.azimuth_rate), step)
+        self._tick = max(until, self._tick)
+
+    def _control(self, k: int) -> None:
+        """Answer the pose at tick ``k`` with a command."""
+        elapsed = self._ratio * self._step_ns * 1e-9 if k else self._vessel.measurement.sample_time
+        simulator = self._simulator
+        truth = simulator.truth()
+        pose = simulator.measure()
+        if pose is not None:
+            pose = _as_sent(pose)
+        estimate = self._observer.step(ObserverInputs(pose, self._tau_achieved), elapsed)
+        position = _as_sent(estimate.position)
+        demand = self._controller.step(
+            ControllerInputs(position, estimate.velocity, self._tau_achieved, estimate.valid), elapsed
+        )
+        answer = self._allocator.step(demand.tau_desired, elapsed)
+        self._tau_achieved = answer.tau_achieved
+        self._thrust, self._azimuth = answer.thrust, answer.azimuth
+
+        log, rows, i = self._log, self._log.rows, k // self._ratio
+        if pose is not None:
+            rows["pose"][i] = pose
+        rows["truth_position"][i] = _as_sent(truth.position + truth.wave_position)
+        rows["estimate_position"][i] = position
+        rows["estimate_velocity"][i] = estimate.velocity
+        rows["wave_position"][i] = estimate.wave_frequency_position
+        rows["bias"][i] = estimate.bias
+        rows["reference_position"][i] = demand.reference_position
+        rows["reference_velocity"][i] = demand.reference_velocity
+        rows["proportional"][i] = demand.proportional
+        rows["integral"][i] = demand.integral
+        rows["derivative"][i] = demand.derivative
+        rows["joystick"][i] = demand.joystick
+        rows["tau_desired"][i] = demand.tau_desired
+        rows["tau_achieved"][i] = answer.tau_achieved
+        rows["slack"][i] = answer.slack
+        rows["allocation_cost"][i] = answer.cost
+        rows["thrust_command"][i] = answer.thrust
+        rows["azimuth_command"][i] = answer.azimuth
+        t = k * self._step_ns * 1e-9
+        log.note("observer_status", t, estimate.status)
+        log.note("controller_mode", t, demand.mode)
+        log.note("controller_status", t, demand.status)
+        log.note("allocation_status", t, answer.status)
+        log.note("azimuth_mode", t, answer.azimuth_mode)
+
+
+def _as_sent(position: FloatArray) -> FloatArray:
+    """Return a position as it comes out of a message: its heading has been a quaternion."""
+    north, east, heading = position.tolist()
+    return np.array([north, east, quaternion_to_heading(*heading_to_quaternion(heading))])
