@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
+from typing import Any, TypeVar
 
 import yaml
 from pydantic import BaseModel, ValidationError
 
 from marine_model.errors import DocumentError
+from marine_model.schema import FieldError
 
 Model = TypeVar("Model", bound=BaseModel)
 FieldPath = tuple[str | int, ...]
@@ -22,8 +23,6 @@ class _Loader(yaml.SafeLoader):
     In 1.1 ``1:30`` is ninety, ``010`` is eight, ``no`` is false, ``2020-01-01`` is a date and 1e7 is a string.
     """
 
-    yaml_implicit_resolvers: ClassVar[dict[str, Any]] = {}
-
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen: set[str] = set()
         for key_node, _ in node.value:
@@ -33,9 +32,7 @@ class _Loader(yaml.SafeLoader):
                 )
             key = key_node.value
             if key in seen:
-                raise yaml.constructor.ConstructorError(
-                    None, None, f"field '{key}' appears twice", key_node.start_mark
-                )
+                raise yaml.constructor.ConstructorError(None, None, f"field '{key}' appears twice", key_node.start_mark)
             seen.add(key)
         return super().construct_mapping(node, deep=deep)
 
@@ -45,6 +42,7 @@ class _Loader(yaml.SafeLoader):
         return int(digits, 0) if digits.startswith(("0x", "0o")) else int(digits, 10)
 
 
+_Loader.yaml_implicit_resolvers = {}
 for _kind, _pattern, _first in (
     ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
     ("bool", r"true|True|TRUE|false|False|FALSE", list("tTfF")),
@@ -108,9 +106,13 @@ def validate(content: dict[str, Any], model: type[Model], document: YamlDocument
                 continue  # pydantic counts the entries that it took, not those that are there
             field = _field_path(item["loc"], content)
             message = item["msg"].removeprefix("Value error, ")
+            if item["type"] == "value_error" and isinstance(item["ctx"]["error"], FieldError):
+                field += item["ctx"]["error"].field
             if item["type"] == "union_tag_not_found":
                 message = f"expected a field {item['ctx']['discriminator']}"
-            if item["type"] not in ("missing", "value_error", "union_tag_not_found") and not isinstance(item.get("input"), dict | list):
+            if item["type"] not in ("missing", "value_error", "union_tag_not_found") and not isinstance(
+                item.get("input"), dict | list
+            ):
                 message += f", found {_short(item['input'])}"
             problems.append(document.problem(field, message))
         raise DocumentError("\n".join(problems)) from error
@@ -128,10 +130,12 @@ def _short(value: object) -> str:
 def _field_path(location: tuple[str | int, ...], content: Any) -> FieldPath:
     """Drop the tags that pydantic adds for unions: keep what leads through ``content``."""
     path: list[str | int] = []
+    tag_comes = False  # an entry of a list, and nothing in it yet
     for i, part in enumerate(location):
-        if isinstance(content, dict) and path and isinstance(path[-1], int):
-            if content.get("type") == part:
-                continue  # the tag of a union told apart by its field "type"
+        if tag_comes and isinstance(content, dict) and content.get("type") == part:
+            tag_comes = False
+            continue  # the tag of a union told apart by its field "type"
+        tag_comes = isinstance(part, int)
         if isinstance(content, dict) and part in content:
             content = content[part]
         elif isinstance(content, list) and isinstance(part, int) and part < len(content):
@@ -176,7 +180,7 @@ def _parse(text: str) -> tuple[Any, dict[FieldPath, int]]:
         lines = _lines(node)
         return loader.construct_document(node), lines
     finally:
-        loader.dispose()  # type: ignore[no-untyped-call]
+        loader.dispose()
 
 
 def read_yaml(path: Path) -> YamlDocument:
