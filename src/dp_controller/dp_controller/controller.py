@@ -69,7 +69,7 @@ class Controller:
         self._laws: list[str] | None = None
         self._time: float | None = None
         self._retuned = False
-        self._stick_was_fresh = False
+        self._stick_was_stale = False
         self._demand: Triple = ZERO
         self._demand_unlimited: Triple = ZERO
         self._message = ""
@@ -259,7 +259,7 @@ class Controller:
         self._demand_unlimited = demand
         self._demand = _limited(demand, settings.tau_max)
         self._laws = laws
-        self._stick_was_fresh = stick_is_fresh
+        self._stick_was_stale = self._joystick.time is not None and not stick_is_fresh
 
         generator = self._guidance.generator
         reference = generator.position
@@ -315,7 +315,7 @@ class Controller:
     def _transfer(self, laws: list[str], raw: Triple, stick_is_fresh: bool, dt: float) -> Triple:
         """Return the fading part of the demand, begun anew in every axis whose law changes in this sample."""
         before, fade = self._laws, self._settings.transfer_time
-        stick_is_back = stick_is_fresh and not self._stick_was_fresh
+        stick_is_back = stick_is_fresh and self._stick_was_stale
         for i, part in enumerate(self._transfers):
             changed = before is not None and (
                 laws[i] != before[i]

@@ -42,7 +42,7 @@ class ControllerSettings(Settings):
         "or its difference from the reference (always so in mode tracking)",
     )
     anti_windup_time: float = setting(
-        10.0, "Time constant with which the integral gives way to saturated thrusters; 0 for never", unit="s", ge=0.0
+        20.0, "Time constant with which the integral gives way to saturated thrusters; 0 for never", unit="s", ge=0.0
     )
     transfer_time: float = setting(
         5.0, "Time in which a step of the demand at a switch fades; 0 for no bumpless transfer", unit="s", ge=0.0

@@ -1,9 +1,10 @@
 """Exact solution of a linear system over one interval: the matrix exponential applied to a vector.
 
-x_dot = A x + f + g t with A, f, g constant. The Taylor series of the solution is summed until the rest is below rounding,
-so the result does not depend on any step size. This is the method of Al-Mohy and Higham (*Computing the action of the
-matrix exponential*, SIAM J. Sci. Comput. 33, 2011) with the number of terms fixed beforehand. It needs one matrix-vector
-product a term, which at this size costs less than forming the exponential, and it takes the forcing along for nothing.
+x_dot = A x + f + g t with A, f, g constant. The Taylor series of the solution is summed until the rest is below
+rounding, so the result does not depend on any step size. This is the method of Al-Mohy and Higham (*Computing the
+action of the matrix exponential*, SIAM J. Sci. Comput. 33, 2011) with the number of terms fixed beforehand. It needs
+one matrix-vector product a term, which at this size costs less than forming the exponential, and it takes the forcing
+along for nothing.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ import numpy as np
 
 from marine_model.guards import FloatArray
 
-# An interval with a larger growth is cut into equal parts, still without approximation: the terms would swell before they
-# fall and cost digits.
+# An interval with a larger growth is cut into equal parts, still without approximation: the terms would swell before
+# they fall and cost digits.
 _LARGEST_GROWTH = 4.0
 _NEGLIGIBLE = 2.0**-56  # of the state: an eighth of the rounding error of one addition
 # Powers that bound the size of every term from number p (p - 1) on, p = 5: their Theorem 4.2.
@@ -27,15 +28,14 @@ _FEWEST_TERMS = _POWER * (_POWER - 1)
 def growth_rate(matrices: FloatArray) -> float:
     """Return a (1/s) so that the j-th Taylor term over t is below (a t)^j / j! of the state for j >= 20.
 
-    It is the larger of |A^5|^(1/5) and |A^6|^(1/6) of all ``matrices``, shape (k, n, n): for a matrix far from normal much
-    less than its norm.
+    It is the larger of |A^5|^(1/5) and |A^6|^(1/6) of all ``matrices``, shape (k, n, n): for a matrix far from normal
+    much less than its norm.
     """
     fifth = np.linalg.matrix_power(matrices, _POWER)
     sixth = fifth @ matrices
-    return max(
-        float(np.linalg.norm(fifth, 2, axis=(1, 2)).max()) ** (1.0 / _POWER),
-        float(np.linalg.norm(sixth, 2, axis=(1, 2)).max()) ** (1.0 / (_POWER + 1)),
-    )
+    largest_fifth = float(np.linalg.norm(fifth, 2, axis=(1, 2)).max())
+    largest_sixth = float(np.linalg.norm(sixth, 2, axis=(1, 2)).max())
+    return max(math.pow(largest_fifth, 1.0 / _POWER), math.pow(largest_sixth, 1.0 / (_POWER + 1)))
 
 
 @lru_cache(maxsize=64)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from enum import Enum, auto
 
+from dp_observer.settings import ObserverSettings
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
-
-from dp_observer.settings import ObserverSettings
 
 
 class Verdict(Enum):
@@ -33,9 +32,7 @@ class MeasurementGate:
         self._refused: tuple[float, float, float] | None = None
         self._count = 0
 
-    def judge(
-        self, fix: FloatArray, innovation: FloatArray, lost: bool, settings: ObserverSettings
-    ) -> Verdict:
+    def judge(self, fix: FloatArray, innovation: FloatArray, lost: bool, settings: ObserverSettings) -> Verdict:
         """Return what to do with ``fix``, shape (3,), that lies ``innovation``, shape (3,), from the prediction.
 
         ``lost`` says that the prediction is too old to judge by: any fix is then taken, and the position restarts

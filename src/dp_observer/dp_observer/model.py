@@ -20,12 +20,11 @@ import math
 
 import numpy as np
 
+from dp_observer.exponential import LinearFlow, growth_rate
 from marine_model.errors import InputError
 from marine_model.frames import rotation
 from marine_model.gains import ObserverGains
 from marine_model.guards import FloatArray
-
-from dp_observer.exponential import LinearFlow, growth_rate
 
 # State vector, shape (15,). Two parts are scaled so that all numbers of the system matrix have a like size.
 WAVE = slice(0, 3)  # wave-frequency position (m, m, rad) in map_ned
@@ -103,9 +102,7 @@ class ObserverModel:
         self.set_share(0.0)
         without = self._at_all_headings()[1]
         self.set_share(1.0)
-        self.correction_flow = LinearFlow(
-            ORDER, _MARGIN * max(growth_rate(corrections), growth_rate(without))
-        )
+        self.correction_flow = LinearFlow(ORDER, _MARGIN * max(growth_rate(corrections), growth_rate(without)))
 
     def set_heading(self, heading: float) -> None:
         """Make the matrices those of ``heading`` (rad)."""

@@ -7,11 +7,6 @@ import math
 
 import numpy as np
 
-from marine_model.errors import InputError
-from marine_model.frames import wrap_angle
-from marine_model.guards import FloatArray, finite_vector, positive_number
-from marine_model.vessel import Vessel
-
 from dp_observer.estimate import ObserverEstimate, ObserverInputs, ObserverStatus
 from dp_observer.measurement_gate import MeasurementGate, Verdict
 from dp_observer.model import (
@@ -25,6 +20,10 @@ from dp_observer.model import (
     ObserverModel,
 )
 from dp_observer.settings import ObserverSettings
+from marine_model.errors import InputError
+from marine_model.frames import wrap_angle
+from marine_model.guards import FloatArray, finite_vector, positive_number
+from marine_model.vessel import Vessel
 
 # Beyond these a number is a fault of its sender (no point of the Earth is farther off), and sums might overflow.
 _LARGEST_POSITION = 1.0e8
@@ -134,9 +133,7 @@ class Observer:
         self._last_fix = None
         return self._estimate(ObserverStatus.OUTLIER_REFUSED, innovation)
 
-    def _restart(
-        self, fix: FloatArray, innovation: FloatArray, status: ObserverStatus
-    ) -> ObserverEstimate:
+    def _restart(self, fix: FloatArray, innovation: FloatArray, status: ObserverStatus) -> ObserverEstimate:
         """Set the position to ``fix``; velocity and bias stay, as a jump says nothing about them."""
         state = self._state.copy()
         state[: POSITION.start] = 0.0
@@ -154,9 +151,7 @@ class Observer:
         length = duration / count
         for _ in range(count):
             self._model.set_heading(float(state[HEADING] + 0.5 * length * state[YAW_RATE]))
-            state = self._model.prediction_flow.advance(
-                self._model.prediction, state, force, None, length
-            )
+            state = self._model.prediction_flow.advance(self._model.prediction, state, force, None, length)
         return state
 
     def _corrected(
@@ -187,9 +182,7 @@ class Observer:
         injection = self._model.injection
         force = np.dot(self._model.force_input, tau) + np.dot(injection, first)
         ramp = np.dot(injection, (last - first) / dt)
-        return self._model.correction_flow.advance(
-            self._model.correction, start, force, ramp, dt
-        )
+        return self._model.correction_flow.advance(self._model.correction, start, force, ramp, dt)
 
     def _too_long(self, age: float) -> bool:
         return age > self._settings.dead_reckoning_limit + _ROUNDING
@@ -198,9 +191,7 @@ class Observer:
         """A longer gap ends in an invalid estimate all the same: bound the work (s)."""
         return max(self._settings.dead_reckoning_limit, self._sample_time)
 
-    def _estimate(
-        self, status: ObserverStatus, innovation: FloatArray | None = None
-    ) -> ObserverEstimate:
+    def _estimate(self, status: ObserverStatus, innovation: FloatArray | None = None) -> ObserverEstimate:
         state = self._state
         state[HEADING] = wrap_angle(float(state[HEADING]))
         valid = self._initialised and not self._too_long(self._age)

@@ -54,4 +54,5 @@ def quaternion_to_heading(x: float, y: float, z: float, w: float) -> float:
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     if not math.isfinite(norm) or abs(norm - 1.0) > 0.01:
         raise InputError(f"orientation: expected a unit quaternion, found ({x}, {y}, {z}, {w})")
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    # This form does not depend on the norm, the common one with 1 - 2 (y^2 + z^2) does.
+    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)

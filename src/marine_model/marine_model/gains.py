@@ -7,6 +7,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from marine_model.matrix_checks import require_positive_definite, require_symmetric
 from marine_model.schema import (
     Fraction,
     Matrix3,
@@ -40,6 +41,13 @@ class ObserverGains(Section):
             )
         if not (np.array(self.cutoff_ratio) > 1.0).all():
             raise ValueError(f"cutoff_ratio must be above 1, found {list(self.cutoff_ratio)}")
+        return self
+
+    @model_validator(mode="after")
+    def _physical(self) -> Self:
+        require_symmetric("mass", self.mass)
+        require_positive_definite("mass", self.mass)
+        require_positive_definite("damping", self.damping)
         return self
 
 

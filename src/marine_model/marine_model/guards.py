@@ -22,7 +22,7 @@ def finite_vector(name: str, value: ArrayLike, length: int) -> FloatArray:
     """
     try:
         vector = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name}: expected {length} numbers, found {value!r}") from error
     if vector.shape != (length,):
         raise InputError(f"{name}: expected shape ({length},), found {vector.shape}")
@@ -41,7 +41,7 @@ def finite_number(name: str, value: float) -> float:
     """
     try:
         number = float(value)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name}: expected a number, found {value!r}") from error
     if not math.isfinite(number):
         raise InputError(f"{name}: expected a finite number, found {number}")

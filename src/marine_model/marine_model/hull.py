@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 from pydantic import model_validator
 
+from marine_model.matrix_checks import require_positive_definite, require_symmetric
 from marine_model.schema import Matrix3, NonNegativeVector3, Positive, Section, Vector3
 
 
@@ -17,12 +18,6 @@ class Particulars(Section):
     beam: Positive  # m
     draught: Positive  # m
     mass: Positive  # kg
-
-
-def _require_positive_definite(name: str, matrix: Matrix3) -> None:
-    array = np.array(matrix)
-    if np.linalg.eigvalsh(0.5 * (array + array.T)).min() <= 0.0:
-        raise ValueError(f"{name} must be positive definite, found {array.tolist()}")
 
 
 class Manoeuvring(Section):
@@ -36,14 +31,10 @@ class Manoeuvring(Section):
     @model_validator(mode="after")
     def _physical(self) -> Self:
         total = np.array(self.rigid_body_mass) + np.array(self.added_mass)
-        if not np.allclose(total, total.T, atol=1e-12):
-            raise ValueError(f"rigid_body_mass + added_mass must be symmetric, found {total.tolist()}")
-        _require_positive_definite("rigid_body_mass", self.rigid_body_mass)
-        _require_positive_definite(
-            "rigid_body_mass + added_mass",
-            tuple(tuple(row) for row in total.tolist()),  # type: ignore[arg-type]
-        )
-        _require_positive_definite("linear_damping", self.linear_damping)
+        require_symmetric("rigid_body_mass + added_mass", total)
+        require_positive_definite("rigid_body_mass", self.rigid_body_mass)
+        require_positive_definite("rigid_body_mass + added_mass", total)
+        require_positive_definite("linear_damping", self.linear_damping)
         return self
 
 

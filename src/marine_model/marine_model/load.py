@@ -54,53 +54,93 @@ def _merged(path: Path, chain: tuple[Path, ...]) -> YamlDocument:
     document = read_yaml(path)
     if "extends" not in document.content:
         return document
+    here = ("extends",)
     base_name = document.content.pop("extends")
     if not isinstance(base_name, str):
-        raise DocumentError(document.problem(("extends",), f"expected a vessel, found {base_name!r}"))
+        raise DocumentError(document.problem(here, f"expected a vessel, found {base_name!r}"))
     if path.resolve() in chain:
-        raise DocumentError(document.problem(("extends",), "a vessel file extends itself"))
+        raise DocumentError(document.problem(here, "a vessel file extends itself"))
     relative = path.parent / base_name
-    base_path = relative if relative.is_file() else vessel_path(base_name)
-    base = _merged(base_path, (*chain, path.resolve()))
-    lines: dict[FieldPath, int] = {}
-    content = _overlay(base.content, document.content, (), (), document.lines, lines)
-    return YamlDocument(path, content, lines | {(): 1})
+    try:
+        base_path = relative if relative.is_file() else vessel_path(base_name)
+    except UnknownNameError as error:
+        raise UnknownNameError(document.problem(here, str(error))) from error
+    return _Overlay(_merged(base_path, (*chain, path.resolve())), document).document()
 
 
-def _overlay(
-    base: Any, over: Any, field: FieldPath, own: FieldPath, own_lines: dict[FieldPath, int], out: dict[FieldPath, int]
-) -> Any:
-    """Return ``over`` laid on ``base``; mappings merge by key, lists of named mappings by name.
+class _Overlay:
+    """Lays one document on another: mappings merge by key, lists of named mappings by name, the rest is replaced.
 
-    ``own_lines`` has the lines of the file that ``over`` was read from, ``own`` the place in it; ``out`` collects
-    them under the places of the merged document.
+    Keeps track of file and line of every field of the result.
     """
-    if own in own_lines:
-        out[field] = own_lines[own]
-    if isinstance(base, dict) and isinstance(over, dict):
-        merged = dict(base)
-        for key, value in over.items():
-            merged[key] = _overlay(base.get(key), value, (*field, key), (*own, key), own_lines, out)
-        return merged
-    if _named(base) and _named(over):
+
+    def __init__(self, base: YamlDocument, over: YamlDocument) -> None:
+        self._base = base
+        self._over = over
+        self._lines = dict(base.lines)
+        self._files = {place: base.files.get(place, base.path) for place in base.lines}
+
+    def document(self) -> YamlDocument:
+        """Return the result. Raises DocumentError if a name appears twice in a list of ``over``."""
+        content = self._lay(self._base.content, self._over.content, (), ())
+        return YamlDocument(self._over.path, content, self._lines, self._files)
+
+    def _lay(self, base: Any, over: Any, place: FieldPath, own: FieldPath) -> Any:
+        """Return ``over`` on ``base``; ``place`` is where it goes, ``own`` where it is in its own file."""
+        self._note(place, own)
+        if isinstance(base, dict) and isinstance(over, dict):
+            merged = dict(base)
+            for key, value in over.items():
+                merged[key] = self._lay(base.get(key), value, (*place, key), (*own, key))
+            return merged
+        if _named(base) and _named(over):
+            return self._lay_by_name(base, over, place, own)
+        self._forget_below(place)
+        self._note_below(over, place, own)
+        return over
+
+    def _lay_by_name(
+        self, base: list[dict[str, Any]], over: list[dict[str, Any]], place: FieldPath, own: FieldPath
+    ) -> list[dict[str, Any]]:
         entries = list(base)
         index = {entry["name"]: i for i, entry in enumerate(entries)}
+        seen: set[str] = set()
         for i, value in enumerate(over):
-            at = index.get(value["name"], len(entries))
+            name = value["name"]
+            if name in seen:
+                problem = self._over.problem((*own, i, "name"), f"every name must be unique, found '{name}' twice")
+                raise DocumentError(problem)
+            seen.add(name)
+            at = index.get(name, len(entries))
             if at == len(entries):
                 entries.append({})
-            entries[at] = _overlay(entries[at], value, (*field, at), (*own, i), own_lines, out)
+            entries[at] = self._lay(entries[at], value, (*place, at), (*own, i))
         return entries
-    if isinstance(over, dict):
-        for key, value in over.items():
-            _overlay(None, value, (*field, key), (*own, key), own_lines, out)
-    elif isinstance(over, list):
-        for i, value in enumerate(over):
-            _overlay(None, value, (*field, i), (*own, i), own_lines, out)
-    return over
+
+    def _note(self, place: FieldPath, own: FieldPath) -> None:
+        self._lines[place] = self._over.lines[own]
+        self._files[place] = self._over.path
+
+    def _note_below(self, value: Any, place: FieldPath, own: FieldPath) -> None:
+        if isinstance(value, dict):
+            children = list(value.items())
+        elif isinstance(value, list):
+            children = list(enumerate(value))
+        else:
+            return
+        for key, child in children:
+            self._note((*place, key), (*own, key))
+            self._note_below(child, (*place, key), (*own, key))
+
+    def _forget_below(self, place: FieldPath) -> None:
+        for field in [f for f in self._lines if f[: len(place)] == place and len(f) > len(place)]:
+            del self._lines[field]
+            del self._files[field]
 
 
 def _named(value: Any) -> bool:
     return (
-        isinstance(value, list) and bool(value) and all(isinstance(entry, dict) and "name" in entry for entry in value)
+        isinstance(value, list)
+        and bool(value)
+        and all(isinstance(entry, dict) and isinstance(entry.get("name"), str) for entry in value)
     )

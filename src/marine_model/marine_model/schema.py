@@ -7,6 +7,14 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 
+class FieldError(ValueError):
+    """Raised by a validator of a section to blame one field in it, ``field`` from the section on."""
+
+    def __init__(self, field: tuple[str | int, ...], message: str) -> None:
+        super().__init__(message)
+        self.field = field
+
+
 class Section(BaseModel):
     """A frozen mapping of a YAML document: unknown fields, strings for numbers and NaN are refused."""
 

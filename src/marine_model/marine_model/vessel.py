@@ -19,7 +19,7 @@ from marine_model.gains import (
 from marine_model.guards import FloatArray
 from marine_model.hull import Manoeuvring, Particulars, WaveForces
 from marine_model.propeller import BollardPropellers
-from marine_model.schema import Positive, Section
+from marine_model.schema import FieldError, Positive, Section
 from marine_model.thruster import AzimuthThruster, Thruster
 from marine_model.thruster_configuration import cartesian_configuration
 
@@ -51,25 +51,30 @@ class Vessel(Section):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        names = list(self.thruster_names)
-        repeated = sorted({name for name in names if names.count(name) > 1})
-        if repeated:
-            raise ValueError(f"thrusters: every name must be unique, found {repeated} repeated")
-        n = len(self.thrusters)
-        if len(self.allocator.thrust_weight) != n:
-            raise ValueError(
-                f"allocator.thrust_weight: expected {n} numbers, one a thruster, "
-                f"found {len(self.allocator.thrust_weight)}"
-            )
+        names = self.thruster_names
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                raise FieldError(("thrusters", i, "name"), f"every name must be unique, found '{name}' twice")
+        n, weights = len(self.thrusters), len(self.allocator.thrust_weight)
+        if weights != n:
+            raise FieldError(("allocator", "thrust_weight"), f"expected {n} numbers, one a thruster, found {weights}")
         if not np.any(self.lever_x) and not np.any(self.lever_y):
-            raise ValueError("thrusters: all lever arms are zero, so that no yaw moment is possible")
+            raise FieldError(("thrusters",), "all lever arms are zero, so that no yaw moment is possible")
         if np.linalg.matrix_rank(self._attainable_directions()) < 3:
-            raise ValueError("thrusters: together they cannot produce surge, sway and yaw independently")
+            raise FieldError(("thrusters",), "together they cannot produce surge, sway and yaw independently")
+        masses = [self.manoeuvring.rigid_body_mass[i][i] for i in (0, 1)]
+        # Both are written down, to the digits of their sources.
+        if any(abs(mass - self.hull.mass) > 0.01 * self.hull.mass for mass in masses):
+            raise FieldError(
+                ("manoeuvring", "rigid_body_mass"),
+                f"expected hull.mass for surge and sway within 1 %, found {masses} and {self.hull.mass}",
+            )
         steps = self.measurement.sample_time / self.simulation.time_step
         if abs(steps - round(steps)) > 1e-9 or round(steps) < 1:
-            raise ValueError(
-                "measurement.sample_time must be a whole multiple of simulation.time_step, found "
-                f"{self.measurement.sample_time} and {self.simulation.time_step}"
+            raise FieldError(
+                ("measurement", "sample_time"),
+                "expected a whole multiple of simulation.time_step, found "
+                f"{self.measurement.sample_time} and {self.simulation.time_step}",
             )
         return self
 

@@ -156,8 +156,7 @@ class Allocator:
         can_rotate = self._vessel.can_rotate
         self._thrust: list[float] = thrusts
         self._azimuth: list[float] = [
-            wrap_angle(angles[j] if can_rotate[j] else float(self._vessel.fixed_direction[j]))
-            for j in range(n)
+            wrap_angle(angles[j] if can_rotate[j] else float(self._vessel.fixed_direction[j])) for j in range(n)
         ]
         self._demand = np.zeros(3)
         self._solution: Solution | None = None
@@ -222,9 +221,7 @@ class Allocator:
 
     def _pose(self, plans: list[Plan], tau: FloatArray) -> AllocationProblem | None:
         """Return the problem of this step; None when there is no thruster to allocate."""
-        layout = tuple(
-            [None if plan.phase is Phase.LOST else plan.phase is Phase.ROTATING for plan in plans]
-        )
+        layout = tuple([None if plan.phase is Phase.LOST else plan.phase is Phase.ROTATING for plan in plans])
         problem = self._problem
         if layout != self._layout:
             fixed = [j for j, rotates in enumerate(layout) if rotates is False]
@@ -247,9 +244,7 @@ class Allocator:
             problem.point(directions)
             self._pointed = directions
         x, y, n = tau.tolist()
-        excess = max(
-            abs(x) / self._largest_force, abs(y) / self._largest_force, abs(n) / self._largest_moment
-        )
+        excess = max(abs(x) / self._largest_force, abs(y) / self._largest_force, abs(n) / self._largest_moment)
         problem.demand(tau if excess <= 1.0 else tau / excess)
         return problem
 
@@ -263,15 +258,17 @@ class Allocator:
         said = f" ({solution.message})" if solution.message else ""
         return (
             f"{self._solver.name} failed{said}: violation {residuals.violation:.3g} N, "
-            f"stationarity {residuals.stationarity:.3g}, complementarity {residuals.complementarity:.3g}"
+            f"stationarity {residuals.stationarity:.3g}, dual violation {residuals.dual_violation:.3g}, "
+            f"complementarity {residuals.complementarity:.3g}"
         )
 
     def _commands(self, plans: list[Plan], solution: Solution | None) -> list[tuple[float, float]]:
         """Return thrust and direction of every thruster, within the plans."""
-        commands = [held_command(plan, thrust) for plan, thrust in zip(plans, self._thrust, strict=True)]
         problem = self._problem
         if solution is None or problem is None:
-            return commands
+            return [held_command(plan, thrust) for plan, thrust in zip(plans, self._thrust, strict=True)]
+        # Lost thrusters have no variable; their plan leaves no choice.
+        commands = [(plan.thrust_lower, plan.azimuth) for plan in plans]
         z = solution.z.tolist()
         for i, j in enumerate(problem.fixed):
             plan = plans[j]

@@ -72,9 +72,7 @@ class Plan(NamedTuple):
     turn_high: float
 
 
-def plan_thruster(
-    limits: ThrusterLimits, thrust: float, azimuth: float, dt: float, approach: float
-) -> Plan:
+def plan_thruster(limits: ThrusterLimits, thrust: float, azimuth: float, dt: float, approach: float) -> Plan:
     """Return what a thruster may do in the next step.
 
     A switch needs no memory: what a thruster does follows from the settings and its last command. From rotating to
@@ -106,9 +104,7 @@ def plan_thruster(
         # come back from it.
         zero_thrust = min(limits.zero_thrust, thrust_step)
         if thrust >= -zero_thrust * (1.0 + _RELEASE_MARGIN):
-            lower, upper = step_window(
-                thrust, -zero_thrust, limits.thrust_max, thrust_step, approach
-            )
+            lower, upper = step_window(thrust, -zero_thrust, limits.thrust_max, thrust_step, approach)
             turn = min(limits.azimuth_rate * dt, LARGEST_TURN)
             return Plan(Phase.ROTATING, lower, upper, azimuth, -turn, turn)
         phase = Phase.HELD

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 
@@ -11,6 +12,11 @@ from marine_model import Vessel
 from marine_model.guards import FloatArray
 from marine_model.thruster_configuration import cartesian_configuration, polar_configuration
 from thrust_allocator.polygon import ROWS, rotating_rows
+
+
+def _numbers(array: FloatArray) -> memoryview[float]:
+    """Return a writable view of all elements of ``array`` in a row."""
+    return cast("memoryview[float]", memoryview(cast("Any", array.reshape(-1))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,17 +58,19 @@ class Weights:
 class SlackForm:
     """The same problem with the slack as a variable: x = [z (m), s (3)], (4.20)-(4.22).
 
-    Minimise x' P x / 2 subject to E x = e, G x <= h and lower <= x <= upper. Its Hessian is diagonal, which suits
-    solvers that lose accuracy on the condensed form.
+    Minimise x' P x / 2 subject to E x = tau, G x <= h and lower <= x <= upper. Its Hessian is diagonal, and ``scale``
+    times that of the problem, so that the smallest weight of a slack is 1: solvers that lose accuracy on the condensed
+    form, or on weights of 1e6 and more, are accurate on this one. Multipliers are ``scale`` times those of the problem.
     """
 
     P: FloatArray
     E: FloatArray
-    e: FloatArray
+    tau: FloatArray
     G: FloatArray
     h: FloatArray
     lower: FloatArray
     upper: FloatArray
+    scale: float
 
 
 class AllocationProblem:
@@ -88,7 +96,22 @@ class AllocationProblem:
         Indices of the thrusters allocated in either form; a thruster in neither has its column set to zero.
     """
 
-    __slots__ = ("A", "B", "H", "_a", "_gain", "_lower", "_upper", "b_lower", "b_upper", "f", "fixed", "rotating", "tau", "weights")
+    __slots__ = (
+        "A",
+        "B",
+        "H",
+        "_a",
+        "_gain",
+        "_lower",
+        "_upper",
+        "b_lower",
+        "b_upper",
+        "f",
+        "fixed",
+        "rotating",
+        "tau",
+        "weights",
+    )
 
     def __init__(self, weights: Weights, fixed: Sequence[int], rotating: Sequence[int]) -> None:
         self.weights = weights
@@ -105,9 +128,9 @@ class AllocationProblem:
         self.b_upper = np.zeros(k + ROWS * r)
         self._gain = np.zeros((m, 3))
         # Single numbers go in through memory views, which costs half of what indexing an array does.
-        self._a = memoryview(self.A.reshape(-1))
-        self._lower = memoryview(self.b_lower)
-        self._upper = memoryview(self.b_upper)
+        self._a = _numbers(self.A)
+        self._lower = _numbers(self.b_lower)
+        self._upper = _numbers(self.b_upper)
         both = cartesian_configuration(weights.lever_x, weights.lever_y)
         n = len(weights.lever_x)
         for i, j in enumerate(self.rotating):
@@ -133,8 +156,7 @@ class AllocationProblem:
         )
         np.multiply(self.B.T, weights.slack, out=self._gain)
         np.matmul(self._gain, self.B, out=self.H)
-        columns = fixed + [j for j in self.rotating for _ in range(2)]
-        self.H[np.diag_indices_from(self.H)] += weights.thrust[columns]
+        self.H[np.diag_indices_from(self.H)] += self._variable_weights()
 
     def demand(self, tau: FloatArray) -> None:
         """Set the demanded generalized force, shape (3,), N, N, N m."""
@@ -166,32 +188,32 @@ class AllocationProblem:
     def objective(self, z: FloatArray) -> float:
         """Return z' H z / 2 + f' z + c at ``z``, shape (m,); summed from squares, which keeps its precision."""
         slack = self.slack(z)
-        columns = list(self.fixed) + [j for j in self.rotating for _ in range(2)]
-        return 0.5 * float(self.weights.slack @ slack**2 + self.weights.thrust[columns] @ z**2)
+        return 0.5 * float(self.weights.slack @ slack**2 + self._variable_weights() @ z**2)
 
     def slack(self, z: FloatArray) -> FloatArray:
         """Return s = tau - B z, shape (3,)."""
         return self.tau - self.B @ z
 
-    def slack_form(self, weighted: bool) -> SlackForm:
-        """Return the problem with the slack as a variable: s as it is, or ``weighted`` as gamma W_v s.
-
-        Weighted, the weights move from the Hessian to the equations: gamma W_v B z + gamma W_v s = gamma W_v tau.
-        """
+    def slack_form(self) -> SlackForm:
+        """Return the problem with the slack as a variable."""
         m, k = self.variables, self.bounds
-        weight = np.sqrt(self.weights.slack) if weighted else np.ones(3)
-        columns = list(self.fixed) + [j for j in self.rotating for _ in range(2)]
+        scale = 1.0 / float(self.weights.slack.min())
         lower, upper = np.full(m + 3, -np.inf), np.full(m + 3, np.inf)
         lower[:k], upper[:k] = self.b_lower[:k], self.b_upper[:k]
         return SlackForm(
-            P=np.diag(np.concatenate([self.weights.thrust[columns], self.weights.slack / weight**2])),
-            E=np.hstack([weight[:, None] * self.B, np.eye(3)]),
-            e=weight * self.tau,
+            P=np.diag(scale * np.concatenate([self._variable_weights(), self.weights.slack])),
+            E=np.hstack([self.B, np.eye(3)]),
+            tau=self.tau.copy(),
             G=np.hstack([self.A, np.zeros((len(self.A), 3))]),
             h=self.b_upper[k:].copy(),
             lower=lower,
             upper=upper,
+            scale=scale,
         )
+
+    def _variable_weights(self) -> FloatArray:
+        """Return the diagonal of W_u^2 over the variables."""
+        return self.weights.thrust[[*self.fixed, *(j for j in self.rotating for _ in range(2))]]
 
     def copy(self) -> AllocationProblem:
         """Return a problem of its own with the same numbers."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,31 +12,33 @@ from marine_model.guards import FloatArray
 from thrust_allocator.problem import AllocationProblem
 
 
-@dataclass(frozen=True, slots=True)
-class Residuals:
-    """How far an answer is from the conditions of Karush, Kuhn and Tucker.
+class Residuals(NamedTuple):
+    """How far an answer is from the conditions of Karush, Kuhn and Tucker; NaN where the answer is not finite.
 
     Attributes
     ----------
     violation
         Largest violation of a bound or row, N.
     stationarity
-        Largest element of H z + f + A' lambda, over the largest term in that sum.
+        Length of H z + f + A' lambda, over the longest term in that sum.
+    dual_violation
+        Largest multiplier of the wrong sign, over the same term.
     complementarity
-        Largest product of a multiplier and the distance (N) to the limit it belongs to, over the same term; NaN or
-        infinite where a multiplier has the wrong sign.
+        Length of the vector of products of a multiplier and the distance (N) to its limit, over the same term.
     """
 
     violation: float
     stationarity: float
+    dual_violation: float
     complementarity: float
 
     def within(self, force: float, relative: float) -> bool:
-        """Return whether all are small: ``force`` (N) for distances, ``relative`` for stationarity."""
+        """Return whether all are small: ``force`` (N) for distances, ``relative`` for gradients."""
         # A comparison with NaN is false, so that an answer that is not finite is refused here as well.
         return (
             self.violation <= force
             and self.stationarity <= relative
+            and self.dual_violation <= relative
             and self.complementarity <= force
         )
 
@@ -67,19 +71,30 @@ class Solution:
 def judge(problem: AllocationProblem, z: FloatArray, multipliers: FloatArray) -> Residuals:
     """Return the residuals of ``z`` and ``multipliers`` for ``problem``; shapes as in :class:`Solution`."""
     k = problem.bounds
-    values = np.concatenate((z[:k], problem.A @ z))
-    upper_gap = problem.b_upper - values
-    lower_gap = values - problem.b_lower
-    violation = -min(upper_gap.min(), lower_gap.min())
-    pull = multipliers[k:] @ problem.A
+    of_rows = multipliers[k:]
+    gradient = problem.H.dot(z)
+    gradient += problem.f
+    pull = of_rows.dot(problem.A)
     pull[:k] += multipliers[:k]
-    gradient = problem.H @ z + problem.f
-    scale = max(1.0, np.abs(problem.f).max(), np.abs(pull).max())
-    # Zero times an infinite distance is no product but an idle limit.
-    gap = np.where(multipliers > 0.0, upper_gap, lower_gap)
-    gap[multipliers == 0.0] = 0.0
+    scale = max(1.0, sqrt(problem.f.dot(problem.f)), sqrt(pull.dot(pull)))
+    gradient += pull
+    violation = wrong_sign = products = 0.0
+    if len(of_rows):
+        gap = problem.b_upper[k:] - problem.A.dot(z)
+        violation = -float(np.minimum.reduce(gap))
+        # The rows have no lower limit, so that their multipliers have one sign.
+        wrong_sign = -float(np.minimum.reduce(of_rows))
+        gap *= of_rows
+        products = gap.dot(gap)
+    for i in range(k):
+        value, multiplier = float(z[i]), float(multipliers[i])
+        upper, lower = problem.b_upper[i] - value, value - problem.b_lower[i]
+        violation = max(violation, -upper, -lower)
+        products += (multiplier * (upper if multiplier > 0.0 else lower)) ** 2
+    # The order of arguments lets NaN through max().
     return Residuals(
-        max(float(violation), 0.0),
-        float(np.abs(gradient + pull).max() / scale),
-        float(np.abs(multipliers * gap).max() / scale),
+        max(violation, 0.0),
+        sqrt(gradient.dot(gradient)) / scale,
+        max(wrong_sign, 0.0) / scale,
+        sqrt(products) / scale,
     )

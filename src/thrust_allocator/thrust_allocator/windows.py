@@ -9,9 +9,7 @@ import math
 LARGEST_TURN = math.pi / 3.0
 
 
-def step_window(
-    value: float, minimum: float, maximum: float, step: float, approach: float
-) -> tuple[float, float]:
+def step_window(value: float, minimum: float, maximum: float, step: float, approach: float) -> tuple[float, float]:
     """Return the smallest and the largest value allowed in this step, [Ruth] (4.14)-(4.17).
 
     Where ``value`` lies outside its limits by more than the rate allows to correct, the window leads back at

@@ -9,13 +9,13 @@ from collections.abc import Callable
 from enum import Enum
 from typing import Any, Self
 
+from dp_msgs.msg import ActuatorSetpoint, ThrusterFeedback
+from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseWithCovarianceStamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from pydantic import model_validator
 from rosgraph_msgs.msg import Clock
 
-from dp_msgs.msg import ActuatorSetpoint, ThrusterFeedback
-from dp_msgs.srv import Advance
 from dp_node import DpNode, Health, Level, from_nanoseconds, run_node, to_nanoseconds
 from marine_model import Vessel
 from marine_model.errors import InputError
@@ -189,8 +189,8 @@ class VesselSimNode(DpNode[NodeSettings]):
         """One step of the core on the set point in force."""
         self._simulator.step(self._inputs, self._time_step)
         self._tick += 1
-        self._clock.clock = from_nanoseconds(self._now_ns)
-        self._publish_clock.publish(self._clock)
+        self._clock_message.clock = from_nanoseconds(self._now_ns)
+        self._publish_clock.publish(self._clock_message)
 
     # Lockstep -------------------------------------------------------------------------------------------------------
 
@@ -241,10 +241,11 @@ class VesselSimNode(DpNode[NodeSettings]):
 
         A topic of the chain that neither has a publisher nor a subscriber belongs to no node that is there.
         """
-        missing = []
-        for publisher in (self._publish_pose, self._publish_feedback):
-            if publisher.get_subscription_count() == 0:
-                missing.append(f"nobody listens to {publisher.topic_name}")
+        missing = [
+            f"nobody listens to {publisher.topic_name}"
+            for publisher in (self._publish_pose, self._publish_feedback)
+            if publisher.get_subscription_count() == 0
+        ]
         for topic in _CHAIN:
             sources, sinks = self.count_publishers(topic), self.count_subscribers(topic)
             if sources == 0 and sinks > 0:
@@ -353,7 +354,7 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._set_pose(self._pose.pose.pose, start.north, start.east, start.heading)
         self._feedback = ThrusterFeedback(name=list(self.vessel.thruster_names))
         self._feedback.header.frame_id = BODY_FRAME
-        self._clock = Clock()
+        self._clock_message = Clock()
         self._truth = Odometry(child_frame_id=BODY_FRAME)
         self._truth.header.frame_id = MAP_FRAME
         self._environment = WrenchStamped()

@@ -43,7 +43,8 @@ def test_nothing_is_known_before_the_first_fix() -> None:
     assert not estimate.valid
     estimate = none(observer)
     assert estimate.time_since_measurement == pytest.approx(2 * SAMPLE)
-    assert not estimate.position.any() and not estimate.velocity.any()
+    assert not estimate.position.any()
+    assert not estimate.velocity.any()
 
 
 def test_first_fix_initialises_anywhere() -> None:
@@ -80,16 +81,18 @@ def test_estimate_becomes_invalid_after_the_limit_and_recovers_with_the_next_fix
     assert {e.status for e in states[:10]} == {ObserverStatus.DEAD_RECKONING}
     assert {e.status for e in states[10:]} == {ObserverStatus.INVALID}
     estimate = fix(observer, place(t + 13 * SAMPLE))
-    assert estimate.valid and estimate.status is ObserverStatus.NOMINAL
+    assert estimate.valid
+    assert estimate.status is ObserverStatus.NOMINAL
     assert estimate.time_since_measurement == 0.0
 
 
 def test_a_fix_far_off_after_a_loss_restarts_the_position() -> None:
-    observer, t = steady(ObserverSettings(dead_reckoning_limit=2.0))
+    observer, _ = steady(ObserverSettings(dead_reckoning_limit=2.0))
     before = [none(observer) for _ in range(12)][-1]
     elsewhere = np.array([40.0, -20.0, -2.0])
     estimate = fix(observer, elsewhere)
-    assert estimate.valid and estimate.status is ObserverStatus.REINITIALISED
+    assert estimate.valid
+    assert estimate.status is ObserverStatus.REINITIALISED
     np.testing.assert_array_equal(estimate.position, elsewhere)
     np.testing.assert_array_equal(estimate.wave_frequency_position, 0.0)
     # Velocity and bias are those of the model's last word; a jump of the position says nothing about them.
@@ -128,10 +131,12 @@ def test_a_late_fix_counts_less_towards_velocity() -> None:
 def test_a_gap_of_any_length_is_survived() -> None:
     observer, _ = steady()
     estimate = fix(observer, np.array([7.0, 8.0, 0.5]), 1e6)
-    assert estimate.status is ObserverStatus.REINITIALISED and estimate.valid
+    assert estimate.valid
+    assert estimate.status is ObserverStatus.REINITIALISED
     observer, _ = steady()
     estimate = none(observer, 1e6)
-    assert estimate.status is ObserverStatus.INVALID and not estimate.valid
+    assert not estimate.valid
+    assert estimate.status is ObserverStatus.INVALID
     assert np.isfinite(estimate.position).all()
     assert estimate.time_since_measurement == pytest.approx(1e6)
 
@@ -175,7 +180,7 @@ def test_a_jump_that_stays_is_believed() -> None:
 
 
 def test_wild_fixes_that_disagree_are_never_believed() -> None:
-    observer, t = steady(ObserverSettings(reacceptance_count=3, dead_reckoning_limit=60.0))
+    observer, _ = steady(ObserverSettings(reacceptance_count=3, dead_reckoning_limit=60.0))
     random = np.random.default_rng(2)
     for k in range(1, 60):
         wild = np.array([10.0 * (1 + k % 7), 10.0 * random.uniform(1, 5) * (-1) ** k, 1.0])

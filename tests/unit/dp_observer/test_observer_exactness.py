@@ -53,9 +53,7 @@ def continuous(
     return rhs
 
 
-def integrate(
-    rhs: Callable[[float, FloatArray], FloatArray], x: FloatArray, duration: float
-) -> FloatArray:
+def integrate(rhs: Callable[[float, FloatArray], FloatArray], x: FloatArray, duration: float) -> FloatArray:
     answer = solve_ivp(rhs, (0.0, duration), x, method="DOP853", rtol=1e-12, atol=1e-14)
     return np.asarray(answer.y[:, -1])
 

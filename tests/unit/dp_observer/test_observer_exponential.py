@@ -12,9 +12,7 @@ from dp_observer.exponential import LinearFlow, growth_rate, taylor_terms
 from marine_model.guards import FloatArray
 
 
-def by_augmentation(
-    a: FloatArray, x: FloatArray, force: FloatArray, ramp: FloatArray, t: float
-) -> FloatArray:
+def by_augmentation(a: FloatArray, x: FloatArray, force: FloatArray, ramp: FloatArray, t: float) -> FloatArray:
     """x(t) from one exponential of the system with the input as extra states (Van Loan)."""
     n = len(x)
     big = np.zeros((n + 2, n + 2))
@@ -40,9 +38,7 @@ def test_equals_the_matrix_exponential(seed: int, n: int, size: float, t: float)
     expected = by_augmentation(a, x, force, ramp, t)
     # Rounding grows with the largest intermediate value, exp(|A| t); both sides have it.
     scale = np.exp(np.linalg.norm(a, 2) * t) * (1.0 + t) ** 2 * np.sqrt(n) * 10
-    np.testing.assert_allclose(
-        flow.advance(a, x, force, ramp, t), expected, atol=1e-14 * scale, rtol=1e-11
-    )
+    np.testing.assert_allclose(flow.advance(a, x, force, ramp, t), expected, atol=1e-14 * scale, rtol=1e-11)
 
 
 def test_no_ramp_is_a_ramp_of_zero() -> None:

@@ -43,8 +43,8 @@ def test_refused_with_the_reason_and_nothing_changed(bad: dict[str, Any], messag
     for k in range(20):
         for observer in (one, other):
             observer.step(ObserverInputs(GOOD + 0.01 * np.sin(k), np.ones(3)), SAMPLE)
+    inputs: Any = {"position": GOOD, "tau": np.zeros(3)} | bad
     with pytest.raises(InputError) as caught:
-        inputs: Any = {"position": GOOD, "tau": np.zeros(3)} | bad
         one.step(ObserverInputs(inputs["position"], inputs["tau"]), inputs.get("dt", SAMPLE))
     assert str(caught.value) == message
     assert isinstance(caught.value, DpError)

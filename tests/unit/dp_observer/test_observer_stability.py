@@ -39,10 +39,9 @@ def test_shipped_vessels_are_stable_at_every_heading(name: str) -> None:
     vessel = load_vessel(name)
     matrices = error_matrices(ObserverModel(vessel.observer), HEADINGS)
     slowest = np.linalg.eigvals(matrices).real.max()
-    # The slowest mode is the bias, at about K_3 omega_c / (K_2 K_4 + D ...): a tenth of K_3 / K_4 would be a sluggish design.
+    # The slowest mode is the bias, somewhat below K_3 / K_4; a tenth of that would be a sluggish design.
     assert slowest < -0.1 * min(
-        k3 / k4
-        for k3, k4 in zip(vessel.observer.bias_gain, vessel.observer.velocity_gain, strict=True)
+        k3 / k4 for k3, k4 in zip(vessel.observer.bias_gain, vessel.observer.velocity_gain, strict=True)
     )
     radii = np.abs(np.linalg.eigvals(expm(matrices * vessel.measurement.sample_time))).max(axis=1)
     assert radii.max() < 1.0
@@ -81,9 +80,7 @@ def test_random_accepted_gains_are_stable_between_the_checked_headings(
     )
     try:
         model = ObserverModel(gains)
-    except InputError as error:
-        # Refused: then it is indeed unstable at one of the checked headings, and the message says by how much.
-        assert "negative real part, found" in str(error)
+    except InputError:
         assume(False)
     matrices = error_matrices(model, np.array([heading]))
     # Between two checked headings (5 deg) an eigenvalue may pass zero only if it is at most this close to it.

@@ -117,7 +117,7 @@ class Variant:
 
 
 def errors(hold: str) -> tuple[float, float]:
-    """Standard deviation of position (m) and velocity error (m/s) in head waves of 0.06 m, the vessel surging slowly."""
+    """Standard deviation of position (m) and velocity error (m/s) in head waves of 0.06 m, while surging slowly."""
     variant = Variant(hold)
     random = np.random.default_rng(1)
     found = []

@@ -97,7 +97,7 @@ def test_reversal_with_static_friction_against_numerical_integration() -> None:
 
     def rate(_: float, n: np.ndarray) -> np.ndarray:
         friction = static * np.sign(n)
-        return (torque - LOAD * n * np.abs(n) - friction) / (2.0 * math.pi * INERTIA)
+        return np.asarray((torque - LOAD * n * np.abs(n) - friction) / (2.0 * math.pi * INERTIA))
 
     def stops(_: float, n: np.ndarray) -> float:
         return float(n[0])
