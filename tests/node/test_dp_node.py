@@ -191,3 +191,21 @@ def test_what_is_refused_live_is_refused_at_start(
     make: Callable[..., DpNode[Any]] = EchoNode
     with pytest.raises(error, match=text), node_bench(make, **parameters):
         pass
+
+
+class FaultyNode(EchoNode):
+    def build(self) -> None:
+        super().build()
+        raise InputError("sensor: expected a serial line, found none")
+
+
+def test_a_node_that_cannot_configure_says_why_and_keeps_nothing() -> None:
+    with (
+        pytest.raises(InputError, match="sensor: expected a serial line, found none"),
+        node_bench(FaultyNode),
+    ):
+        pass
+    with node_bench(FaultyNode, autostart=False) as bench:
+        assert not change_state(bench, Transition.TRANSITION_CONFIGURE)
+        assert state(bench) == State.PRIMARY_STATE_UNCONFIGURED
+        assert bench.probe.count_publishers("pong") == 0

@@ -56,6 +56,10 @@ class RingExecutor(SingleThreadedExecutor):
             self._gather()
             timeout_sec = 0.0 if timeout_sec is None else min(timeout_sec, 0.0)
         if self._tasks:
+            # A finished task stays in the list until rclpy next looks: it is nothing to wait for.
+            with self._tasks_lock:
+                self._tasks = [t for t in self._tasks if not (t[0].done() or t[0].cancelled())]
+        if self._tasks:
             if now >= self._next_task:
                 self._next_task = now + _TASK_PERIOD_NS
                 super()._spin_once_impl(0.0, wait_condition)
@@ -76,7 +80,10 @@ class RingExecutor(SingleThreadedExecutor):
         )
         for pointer in messages:
             self._take(self._subscriptions[pointer])
-        if others or wait_set.get_ready_entities("guard_condition"):
+        # The executor's own guard conditions only end a wait; rclpy sets them off after every callback it runs, so that
+        # taking them for work would send every message through rclpy.
+        own = {self._guard.handle.pointer, self._sigint_gc.handle.pointer}
+        if others or not own.issuperset(wait_set.get_ready_entities("guard_condition")):
             super()._spin_once_impl(0.0, wait_condition)
 
     def _take(self, subscription: Subscription) -> None:

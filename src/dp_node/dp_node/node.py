@@ -51,6 +51,7 @@ class DpNode(LifecycleNode, Generic[S]):
         self._last_refusal = ""
         self._refusals_reported = 0
         self._active = False
+        self._failure: Exception | None = None
         self._parameters_bound = SettingsParameters(self, self.default_settings(self.vessel), self.check, self._apply)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", RING_PUBLISHER)
         self.create_timer(_DIAGNOSTICS_PERIOD, self.publish_diagnostics)
@@ -131,12 +132,28 @@ class DpNode(LifecycleNode, Generic[S]):
     # Life cycle -----------------------------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Configure and activate, if ``autostart`` says so. Raises InputError if a transition fails."""
+        """Configure and activate, if ``autostart`` says so.
+
+        Raises
+        ------
+        Exception
+            What a transition failed with.
+        """
         if not self.autostart:
             return
         for transition in (self.trigger_configure, self.trigger_activate):
             if transition() is not TransitionCallbackReturn.SUCCESS:
-                raise InputError(f"{self.get_name()}: {transition.__name__} failed")
+                raise self._failure or InputError(f"{self.get_name()}: {transition.__name__} was refused")
+
+    def _attempt(self, action: Callable[[], None]) -> bool:
+        """Run a part of a transition; rclpy would swallow what it raises, so keep and report it."""
+        try:
+            action()
+        except Exception as error:
+            self._failure = error
+            self.get_logger().error(f"{type(error).__name__}: {error}")
+            return False
+        return True
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Build the core and its topics."""
@@ -146,13 +163,17 @@ class DpNode(LifecycleNode, Generic[S]):
             set(self.timers),
             set(self.services),
         )
-        self.build()
+        if not self._attempt(self.build):
+            self._give_back()
+            return TransitionCallbackReturn.FAILURE
         return super().on_configure(state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Begin to act on messages."""
         result = super().on_activate(state)
-        self.started()
+        if not self._attempt(self.started):
+            super().on_deactivate(state)
+            return TransitionCallbackReturn.FAILURE
         self._active = True
         return result
 
@@ -165,6 +186,11 @@ class DpNode(LifecycleNode, Generic[S]):
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Give up what build made."""
         result = super().on_cleanup(state)
+        self._give_back()
+        return result
+
+    def _give_back(self) -> None:
+        """Destroy what build made."""
         publishers, subscriptions, timers, services = self._before
         for publisher in set(self.publishers) - publishers:
             self.destroy_lifecycle_publisher(publisher)
@@ -174,7 +200,6 @@ class DpNode(LifecycleNode, Generic[S]):
             self.destroy_timer(timer)
         for service in set(self.services) - services:
             self.destroy_service(service)
-        return result
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop acting on messages for good."""
