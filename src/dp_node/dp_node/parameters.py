@@ -8,7 +8,6 @@ import typing
 from collections.abc import Callable, Iterable
 from typing import Any, Generic, TypeVar
 
-from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -22,7 +21,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from marine_model.errors import InputError
-from marine_model.settings import Settings
+from marine_model.settings import Settings, parameters_of, with_parameters
 
 S = TypeVar("S", bound=Settings)
 
@@ -64,10 +63,8 @@ class SettingsParameters(Generic[S]):
         self._model = type(defaults)
         self._check = check
         self._apply = apply
-        self._candidate: S | None = None
-        self._names = dict(_flatten(defaults.model_dump()))
         values: dict[str, Any] = {}
-        for name, default in self._names.items():
+        for name, default in parameters_of(defaults).items():
             descriptor = describe(self._model, name)
             value = list(default) if isinstance(default, tuple) else default
             try:
@@ -75,50 +72,32 @@ class SettingsParameters(Generic[S]):
             except ParameterException as error:
                 raise InputError(f"parameter {name}: {error}") from error
             values[name] = declared.value
-        self.current = self._validated(values)
+        self._names = frozenset(values)
+        self.current = self._validated(defaults, values)
         node.add_on_set_parameters_callback(self._judge)
         node.add_post_set_parameters_callback(self._swap)
 
-    def _validated(self, values: dict[str, Any]) -> S:
-        try:
-            settings = self._model.model_validate(_nest(values))
-        except ValidationError as error:
-            raise InputError(explain(error)) from error
+    def _validated(self, base: S, changes: dict[str, Any]) -> S:
+        settings = with_parameters(base, changes)
         self._check(settings)
         return settings
 
-    def _merged(self, parameters: Iterable[Parameter]) -> dict[str, Any] | None:
-        changed = {p.name: p.value for p in parameters if p.name in self._names}
-        if not changed:
-            return None
-        return dict(_flatten(self.current.model_dump())) | changed
+    def _own(self, parameters: Iterable[Parameter]) -> dict[str, Any]:
+        """Return the values of those parameters that are settings; others are the node's own."""
+        return {p.name: p.value for p in parameters if p.name in self._names}
 
     def _judge(self, parameters: list[Parameter]) -> SetParametersResult:
-        values = self._merged(parameters)
-        if values is None:
-            return SetParametersResult(successful=True)
         try:
-            self._validated(values)
+            self._validated(self.current, self._own(parameters))
         except InputError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
     def _swap(self, parameters: list[Parameter]) -> None:
-        values = self._merged(parameters)
-        if values is not None:
-            self.current = self._validated(values)
+        changes = self._own(parameters)
+        if changes:
+            self.current = self._validated(self.current, changes)
             self._apply(self.current)
-
-
-def explain(error: ValidationError) -> str:
-    """Return a pydantic error as one line: every field with what is wrong and what was found."""
-    parts = []
-    for item in error.errors():
-        field = ".".join(str(part) for part in item["loc"])
-        text = item["msg"].removeprefix("Value error, ")
-        found = "" if item["type"] == "value_error" else f", found {item['input']!r}"
-        parts.append(f"{field}: {text}{found}" if field else f"{text}{found}")
-    return "; ".join(parts)
 
 
 def describe(model: type[Settings], name: str) -> ParameterDescriptor:
@@ -182,23 +161,3 @@ def _type(annotation: Any) -> tuple[int, tuple[str, ...]]:
     if isinstance(annotation, types.UnionType):
         raise TypeError(f"a parameter has one type, found {annotation}")
     return _SCALARS[annotation], ()
-
-
-def _flatten(tree: dict[str, Any], prefix: str = "") -> Iterable[tuple[str, Any]]:
-    for key, value in tree.items():
-        if isinstance(value, dict):
-            yield from _flatten(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
-
-
-def _nest(flat: dict[str, Any]) -> dict[str, Any]:
-    tree: dict[str, Any] = {}
-    for name, value in flat.items():
-        *groups, leaf = name.split(".")
-        branch = tree
-        for group in groups:
-            branch = branch.setdefault(group, {})
-        # rclpy hands arrays over as array.array or list; the models keep tuples.
-        branch[leaf] = tuple(value) if not isinstance(value, str | bytes | bool | int | float) else value
-    return tree
