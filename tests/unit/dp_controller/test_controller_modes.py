@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
 from dp_controller import Controller, ControllerInputs, ControllerOutput, ControllerSettings
-from marine_model import Vessel
 from marine_model.frames import rotation
+from support.controller_rig import VESSEL, rig
 
 MODES = ("standby", "joystick", "setpoint", "semi_automatic", "tracking")
 AXIS_MODES = ("off", "joystick", "automatic")
@@ -23,8 +23,6 @@ STICK = [3.0, -2.0, 0.5]
 # The demand of the first sample after a switch is that of the last before it by construction: sums of a few numbers
 # below 100 N, hence 1e-12.
 CONTINUITY = 1e-12
-
-Make = Callable[..., Any]
 
 
 def drifting(seed: float = 0.0) -> Iterator[ControllerInputs]:
@@ -38,8 +36,8 @@ def drifting(seed: float = 0.0) -> Iterator[ControllerInputs]:
         )
 
 
-def busy(vessel: Vessel, **settings: Any) -> Controller:
-    controller = Controller(vessel, ControllerSettings.model_validate(settings))
+def busy(**settings: Any) -> Controller:
+    controller = Controller(VESSEL, ControllerSettings.model_validate(settings))
     controller.set_path([0.0, 20.0, 60.0, 90.0], [[0, 0, 3.0], [1, 0, -3.0], [2, 2, -2.0], [2, 3, -2.0]])
     return controller
 
@@ -62,9 +60,9 @@ def run(controller: Controller, inputs: Iterator[ControllerInputs], steps: int) 
 
 
 @pytest.mark.parametrize(("before", "after"), list(itertools.permutations(MODES, 2)))
-def test_every_switch_of_mode_is_bumpless(vessel: Vessel, before: str, after: str) -> None:
-    controller, inputs = busy(vessel, mode=before), drifting()
-    unswitched, same_inputs = busy(vessel, mode=before), drifting()
+def test_every_switch_of_mode_is_bumpless(before: str, after: str) -> None:
+    controller, inputs = busy(mode=before), drifting()
+    unswitched, same_inputs = busy(mode=before), drifting()
     last = run(controller, inputs, 60)[-1]
     run(unswitched, same_inputs, 60)
     switch(controller, mode=after)
@@ -84,18 +82,18 @@ def test_every_switch_of_mode_is_bumpless(vessel: Vessel, before: str, after: st
     assert not follow[-1].transfer.any()
 
 
-def test_without_transfer_time_the_same_switches_do_jump(vessel: Vessel) -> None:
+def test_without_transfer_time_the_same_switches_do_jump() -> None:
     jumps = 0
     for before, after in itertools.permutations(MODES, 2):
-        controller, inputs = busy(vessel, mode=before, transfer_time=0.0), drifting()
+        controller, inputs = busy(mode=before, transfer_time=0.0), drifting()
         last = run(controller, inputs, 60)[-1]
         switch(controller, mode=after)
         jumps += bool(np.abs(run(controller, inputs, 1)[0].tau_desired - last.tau_desired).max() > 0.3)
     assert jumps >= 15
 
 
-def test_switching_again_in_the_middle_of_a_transfer_is_bumpless(vessel: Vessel) -> None:
-    controller, inputs = busy(vessel), drifting()
+def test_switching_again_in_the_middle_of_a_transfer_is_bumpless() -> None:
+    controller, inputs = busy(), drifting()
     last = run(controller, inputs, 10)[-1]
     for mode in MODES * 3:
         switch(controller, mode=mode)
@@ -109,10 +107,8 @@ def test_switching_again_in_the_middle_of_a_transfer_is_bumpless(vessel: Vessel)
 
 
 @pytest.mark.parametrize("axes", list(itertools.product(AXIS_MODES, repeat=3)))
-def test_every_mix_of_axes(vessel: Vessel, axes: tuple[str, str, str]) -> None:
-    controller = busy(
-        vessel, mode="semi_automatic", axis_surge=axes[0], axis_sway=axes[1], axis_yaw=axes[2], transfer_time=0.0
-    )
+def test_every_mix_of_axes(axes: tuple[str, str, str]) -> None:
+    controller = busy(mode="semi_automatic", axis_surge=axes[0], axis_sway=axes[1], axis_yaw=axes[2], transfer_time=0.0)
     output = run(controller, drifting(), 100)[-1]
     assert output.axis_mode == axes
     for i, axis in enumerate(axes):
@@ -127,10 +123,10 @@ def test_every_mix_of_axes(vessel: Vessel, axes: tuple[str, str, str]) -> None:
             assert output.joystick[i] == 0.0
 
 
-def test_every_switch_of_axes_is_bumpless(vessel: Vessel) -> None:
+def test_every_switch_of_axes_is_bumpless() -> None:
     names = ("axis_surge", "axis_sway", "axis_yaw")
     mixes = list(itertools.product(AXIS_MODES, repeat=3))
-    controller, inputs = busy(vessel, mode="semi_automatic"), drifting()
+    controller, inputs = busy(mode="semi_automatic"), drifting()
     last = run(controller, inputs, 40)[-1]
     # Through all mixes and back, with strides that bring every mix after many different ones.
     for stride in (1, 2, 5, 7, 10, 13):
@@ -143,7 +139,7 @@ def test_every_switch_of_axes_is_bumpless(vessel: Vessel) -> None:
             last = run(controller, inputs, 3)[-1]
 
 
-def test_standby_asks_for_nothing(rig: Make) -> None:
+def test_standby_asks_for_nothing() -> None:
     ship = rig(mode="standby")
     ship.controller.set_setpoint([1.0, 2.0, 0.3])
     ship.controller.set_joystick(STICK)
@@ -151,7 +147,7 @@ def test_standby_asks_for_nothing(rig: Make) -> None:
     assert not ship.run(10).tau_desired.any()
 
 
-def test_first_automatic_activation_holds_the_present_position(rig: Make) -> None:
+def test_first_automatic_activation_holds_the_present_position() -> None:
     ship = rig(mode="setpoint")
     ship.position = np.array([3.0, -2.0, 1.0])
     output = ship.run(50)
@@ -160,7 +156,7 @@ def test_first_automatic_activation_holds_the_present_position(rig: Make) -> Non
     assert output.status == "nominal"
 
 
-def test_entering_set_point_mode_holds_the_present_position_not_an_old_set_point(rig: Make) -> None:
+def test_entering_set_point_mode_holds_the_present_position_not_an_old_set_point() -> None:
     ship = rig(mode="setpoint")
     ship.controller.set_setpoint([1.0, 0.0, 0.0])
     ship.run(10)
@@ -172,7 +168,7 @@ def test_entering_set_point_mode_holds_the_present_position_not_an_old_set_point
 
 
 @pytest.mark.parametrize("mode", ["standby", "joystick"])
-def test_a_set_point_given_before_waits_for_the_mode(rig: Make, mode: str) -> None:
+def test_a_set_point_given_before_waits_for_the_mode(mode: str) -> None:
     ship = rig(mode=mode)
     ship.run(5)
     ship.controller.set_setpoint([0.2, 0.1, 0.1])
@@ -184,7 +180,7 @@ def test_a_set_point_given_before_waits_for_the_mode(rig: Make, mode: str) -> No
     assert ship.run(300).reference_position == pytest.approx([0.2, 0.1, 0.1], abs=1e-9)
 
 
-def test_a_set_point_for_one_axis_does_not_wait_for_the_others(rig: Make) -> None:
+def test_a_set_point_for_one_axis_does_not_wait_for_the_others() -> None:
     """Heading 0.5 rad with automatic yaw alone: (0, 0) must not be sailed to when surge and sway follow later."""
     ship = rig(mode="semi_automatic", axis_yaw="automatic")
     ship.position = np.array([8.0, 3.0, 0.0])
@@ -196,7 +192,7 @@ def test_a_set_point_for_one_axis_does_not_wait_for_the_others(rig: Make) -> Non
     assert ship.run(300).reference_position == pytest.approx([8.0, 3.0, 0.5], abs=1e-9)
 
 
-def test_reference_takes_over_the_velocity_of_the_vessel(rig: Make) -> None:
+def test_reference_takes_over_the_velocity_of_the_vessel() -> None:
     ship = rig(mode="joystick")
     ship.position, ship.velocity = np.array([0.0, 0.0, math.pi / 2]), np.array([0.05, 0.0, 0.02])
     ship.run(3)
@@ -205,7 +201,7 @@ def test_reference_takes_over_the_velocity_of_the_vessel(rig: Make) -> None:
 
 
 @pytest.mark.parametrize(("start", "goal", "turn"), [(3.0, -3.0, 2 * math.pi - 6.0), (0.1, 6.2, 6.1 - 2 * math.pi)])
-def test_heading_goes_the_shorter_way(rig: Make, start: float, goal: float, turn: float) -> None:
+def test_heading_goes_the_shorter_way(start: float, goal: float, turn: float) -> None:
     ship = rig(mode="setpoint")
     ship.position = np.array([0.0, 0.0, start])
     ship.step()
@@ -214,7 +210,7 @@ def test_heading_goes_the_shorter_way(rig: Make, start: float, goal: float, turn
     assert turned == pytest.approx(turn, abs=0.01)  # a sum of rates for an integral: rate_max dt / 2
 
 
-def test_automatic_sway_goes_along_while_surge_is_sailed_by_hand(rig: Make) -> None:
+def test_automatic_sway_goes_along_while_surge_is_sailed_by_hand() -> None:
     ship = rig(mode="semi_automatic", axis_surge="joystick", axis_sway="automatic", axis_yaw="joystick")
     for k in range(200):
         heading = 0.01 * k
@@ -228,7 +224,7 @@ def test_automatic_sway_goes_along_while_surge_is_sailed_by_hand(rig: Make) -> N
     assert ship.step().error[0] == pytest.approx(0.0, abs=1e-12)
 
 
-def test_automatic_sway_corrects_a_drift_abeam(rig: Make) -> None:
+def test_automatic_sway_corrects_a_drift_abeam() -> None:
     ship = rig(mode="semi_automatic", axis_surge="joystick", axis_sway="automatic", axis_yaw="automatic")
     ship.position = np.array([4.0, 4.0, 0.7])
     ship.step()
@@ -236,8 +232,8 @@ def test_automatic_sway_corrects_a_drift_abeam(rig: Make) -> None:
     assert ship.step().error == pytest.approx([0.0, -0.3, 0.0], abs=1e-12)
 
 
-def test_gain_change_is_bumpless(vessel: Vessel) -> None:
-    controller, inputs = busy(vessel, mode="setpoint"), drifting()
+def test_gain_change_is_bumpless() -> None:
+    controller, inputs = busy(mode="setpoint"), drifting()
     last = run(controller, inputs, 60)[-1]
     for change in (
         {"proportional_scale": (2.0, 2.0, 2.0)},
@@ -252,7 +248,7 @@ def test_gain_change_is_bumpless(vessel: Vessel) -> None:
         last = run(controller, inputs, 10)[-1]
 
 
-def test_derivative_term_is_that_of_the_source_unless_told_otherwise(rig: Make) -> None:
+def test_derivative_term_is_that_of_the_source_unless_told_otherwise() -> None:
     for feedback, reference in (("vessel", 0.0), ("error", 1.0)):
         ship = rig(mode="setpoint", velocity_feedback=feedback)
         ship.step()
@@ -263,14 +259,14 @@ def test_derivative_term_is_that_of_the_source_unless_told_otherwise(rig: Make) 
         assert output.derivative[0] == pytest.approx(expected, abs=1e-12)
 
 
-def test_demand_stays_within_its_limits(vessel: Vessel) -> None:
-    controller, inputs = busy(vessel, mode="joystick", tau_max=(1.0, 0.5, 0.0), transfer_time=0.0), drifting()
+def test_demand_stays_within_its_limits() -> None:
+    controller, inputs = busy(mode="joystick", tau_max=(1.0, 0.5, 0.0), transfer_time=0.0), drifting()
     output = run(controller, inputs, 5)[-1]
     assert output.tau_desired == pytest.approx([1.0, -0.5, 0.5], abs=0)
 
 
-def test_leaving_a_path_holds_the_present_position(vessel: Vessel) -> None:
-    controller, inputs = busy(vessel, mode="tracking"), drifting()
+def test_leaving_a_path_holds_the_present_position() -> None:
+    controller, inputs = busy(mode="tracking"), drifting()
     run(controller, inputs, 100)
     switch(controller, mode="setpoint")
     here = next(inputs)

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from dp_controller import Controller, ControllerInputs, ControllerSettings
-from marine_model import Vessel
 from marine_model.errors import InputError
+from support.controller_rig import VESSEL, rig
 
 DT = 0.2
-Make = Callable[..., Any]
 
 
 def off_station(ship: Any) -> None:
@@ -24,7 +23,7 @@ def off_station(ship: Any) -> None:
     ship.run(100)
 
 
-def test_lost_observer_leaves_the_integral_part(rig: Make) -> None:
+def test_lost_observer_leaves_the_integral_part() -> None:
     ship = rig(mode="setpoint")
     off_station(ship)
     before = ship.step()
@@ -40,7 +39,7 @@ def test_lost_observer_leaves_the_integral_part(rig: Make) -> None:
     assert not late.derivative.any()
 
 
-def test_recovery_is_bumpless_and_returns_to_the_set_point(rig: Make) -> None:
+def test_recovery_is_bumpless_and_returns_to_the_set_point() -> None:
     ship = rig(mode="setpoint")
     off_station(ship)
     ship.valid = False
@@ -55,7 +54,7 @@ def test_recovery_is_bumpless_and_returns_to_the_set_point(rig: Make) -> None:
     assert ship.run(500).reference_position == pytest.approx([0.0, 0.0, 0.0], abs=1e-6)
 
 
-def test_lost_observer_does_not_touch_manual_axes(rig: Make) -> None:
+def test_lost_observer_does_not_touch_manual_axes() -> None:
     ship = rig(mode="semi_automatic", joystick_timeout=0.0)
     ship.controller.set_joystick([4.0, 5.0, 6.0])
     off_station(ship)
@@ -64,7 +63,7 @@ def test_lost_observer_does_not_touch_manual_axes(rig: Make) -> None:
     assert output.tau_desired == pytest.approx([4.0, 5.0, output.integral[2]], abs=1e-12)
 
 
-def test_mode_changes_while_the_observer_is_lost(rig: Make) -> None:
+def test_mode_changes_while_the_observer_is_lost() -> None:
     ship = rig(mode="tracking")
     ship.controller.set_path([0.0, 50.0], [[0, 0, 0], [5, 0, 0]])
     off_station(ship)
@@ -78,7 +77,7 @@ def test_mode_changes_while_the_observer_is_lost(rig: Make) -> None:
     assert ship.run(300).reference_position == pytest.approx([1.0, 1.0, 0.0], abs=1e-9)
 
 
-def test_never_a_valid_estimate(rig: Make) -> None:
+def test_never_a_valid_estimate() -> None:
     ship = rig(mode="setpoint")
     ship.valid = False
     output = ship.run(20)
@@ -86,7 +85,7 @@ def test_never_a_valid_estimate(rig: Make) -> None:
     assert not output.tau_desired.any()
 
 
-def test_axis_that_becomes_automatic_without_an_estimate_keeps_the_demand_in_force(rig: Make) -> None:
+def test_axis_that_becomes_automatic_without_an_estimate_keeps_the_demand_in_force() -> None:
     ship = rig(mode="joystick", joystick_timeout=0.0, transfer_time=0.0)
     ship.controller.set_joystick([4.0, 5.0, 0.6])
     ship.run(3)
@@ -95,7 +94,7 @@ def test_axis_that_becomes_automatic_without_an_estimate_keeps_the_demand_in_for
     assert ship.run(10).tau_desired == pytest.approx([4.0, 5.0, 0.6], abs=1e-12)
 
 
-def test_silent_joystick_fades_to_zero_and_comes_back_without_a_bump(rig: Make) -> None:
+def test_silent_joystick_fades_to_zero_and_comes_back_without_a_bump() -> None:
     ship = rig(mode="joystick", joystick_timeout=1.0, transfer_time=4.0)
     ship.step()
     ship.controller.set_joystick([8.0, 0.0, 0.0], time=0.2)
@@ -111,18 +110,18 @@ def test_silent_joystick_fades_to_zero_and_comes_back_without_a_bump(rig: Make) 
     assert ship.step().tau_desired[0] == pytest.approx(8.0 * 0.2 / 4.0, abs=1e-12)
 
 
-def test_a_joystick_that_never_spoke_is_stale(rig: Make) -> None:
+def test_a_joystick_that_never_spoke_is_stale() -> None:
     output = rig(mode="joystick").step()
     assert (output.status, output.tau_desired.tolist()) == ("joystick_stale", [0.0, 0.0, 0.0])
 
 
-def test_two_safe_states_at_once_are_both_named(rig: Make) -> None:
+def test_two_safe_states_at_once_are_both_named() -> None:
     ship = rig(mode="semi_automatic")
     ship.valid = False
     assert ship.step().status == "observer_invalid,joystick_stale"
 
 
-def test_tracking_without_a_path_holds_the_present_position(rig: Make) -> None:
+def test_tracking_without_a_path_holds_the_present_position() -> None:
     ship = rig(mode="tracking")
     ship.position = np.array([1.0, 2.0, 0.5])
     output = ship.run(20)
@@ -130,7 +129,7 @@ def test_tracking_without_a_path_holds_the_present_position(rig: Make) -> None:
     assert output.reference_position == pytest.approx(ship.position, abs=1e-12)
 
 
-def test_a_late_estimate_counts_as_ten_samples(rig: Make) -> None:
+def test_a_late_estimate_counts_as_ten_samples() -> None:
     ship = rig(mode="setpoint")
     off_station(ship)
     before = ship.step()
@@ -142,7 +141,12 @@ def test_a_late_estimate_counts_as_ten_samples(rig: Make) -> None:
 
 
 def inputs(**changes: Any) -> ControllerInputs:
-    values = {"position": np.zeros(3), "velocity": np.zeros(3), "tau_achieved": np.zeros(3), "valid": True}
+    values: dict[str, Any] = {
+        "position": np.zeros(3),
+        "velocity": np.zeros(3),
+        "tau_achieved": np.zeros(3),
+        "valid": True,
+    }
     return ControllerInputs(**(values | changes))
 
 
@@ -166,10 +170,8 @@ def inputs(**changes: Any) -> ControllerInputs:
         (inputs(), math.nan, "dt: expected a finite number, found nan"),
     ],
 )
-def test_bad_estimate_is_refused_and_nothing_is_lost(
-    vessel: Vessel, bad: ControllerInputs, dt: float, message: str
-) -> None:
-    pair = [Controller(vessel, ControllerSettings(mode="setpoint")) for _ in range(2)]
+def test_bad_estimate_is_refused_and_nothing_is_lost(bad: ControllerInputs, dt: float, message: str) -> None:
+    pair = [Controller(VESSEL, ControllerSettings(mode="setpoint")) for _ in range(2)]
     moving = inputs(position=np.array([0.1, -0.1, 0.2]), velocity=np.array([0.01, 0.02, 0.03]))
     for controller in pair:
         controller.step(inputs(), DT)
@@ -198,13 +200,13 @@ def test_bad_estimate_is_refused_and_nothing_is_lost(
     ],
 )
 def test_bad_operator_input_is_refused_with_the_reason_and_the_last_good_one_kept(
-    rig: Make, call: Callable[[Controller], None], message: str
+    call: Callable[[Controller], None], message: str
 ) -> None:
     ship = rig(mode="semi_automatic")
     ship.run(4)
     ship.controller.set_joystick([1.0, 2.0, 0.0], time=0.6)
     ship.controller.set_setpoint([0.0, 0.0, 0.3])
-    ship.controller.set_path([0.0, 1.0], [[0, 0, 0], [0.1, 0, 0]])
+    ship.controller.set_path([0.0, 1.0], [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]])
     with pytest.raises(InputError) as caught:
         call(ship.controller)
     assert message in str(caught.value)
@@ -227,13 +229,13 @@ def test_bad_settings_are_refused(bad: dict[str, Any]) -> None:
         ControllerSettings.model_validate(bad)
 
 
-def test_answers_say_what_was_understood(rig: Make) -> None:
+def test_answers_say_what_was_understood() -> None:
     ship = rig()
     ship.change(mode="setpoint")
     assert ship.controller.message == "mode setpoint accepted: surge automatic, sway automatic, yaw automatic"
     ship.controller.set_setpoint([1.0, 2.0, 0.5])
     assert ship.controller.message == "set point accepted: 1.000 m, 2.000 m, 0.5000 rad"
-    ship.controller.set_path([0.0, 10.0], [[0, 0, 0], [3.0, 0, 0]])
+    ship.controller.set_path([0.0, 10.0], [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
     assert ship.controller.message == (
         "path accepted: 2 poses from 0.0 s to 10.0 s; faster than the velocity limit in surge (0.45 of 0.1): "
         "the reference will lag; waits for mode tracking"

@@ -1,19 +1,16 @@
-"""Tracking of timed paths, and holding station, in closed loop with a linear vessel."""
+"""Tracking of timed paths, and holding station, in closed loop with a linear VESSEL."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
 
 from dp_controller import Controller, ControllerInputs, ControllerSettings
-from marine_model import Vessel
+from support.controller_rig import VESSEL, basin, rig
 
 DT = 0.2
-Make = Callable[..., Any]
 
 
 def straight(seconds: float, speed: float, heading: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
@@ -22,8 +19,8 @@ def straight(seconds: float, speed: float, heading: float = 0.0) -> tuple[np.nda
     return times, along
 
 
-def test_straight_path_is_tracked_without_steady_velocity_error(vessel: Vessel, basin: Make) -> None:
-    controller = Controller(vessel, ControllerSettings(mode="tracking"))
+def test_straight_path_is_tracked_without_steady_velocity_error() -> None:
+    controller = Controller(VESSEL, ControllerSettings(mode="tracking"))
     controller.set_path(*straight(400.0, 0.05, heading=0.7))
     ship = basin(force=[1.0, -0.5, 0.1])
     ship.position = np.array([0.0, 0.0, 0.7])
@@ -37,7 +34,7 @@ def test_straight_path_is_tracked_without_steady_velocity_error(vessel: Vessel, 
     assert outputs[-1].reference_position[:2] == pytest.approx(expected, abs=1e-9)
 
 
-def test_first_pose_is_held_before_the_start_and_the_last_after_the_end(rig: Make) -> None:
+def test_first_pose_is_held_before_the_start_and_the_last_after_the_end() -> None:
     ship = rig(mode="tracking")
     ship.controller.set_path([10.0, 40.0], [[0.0, 0.0, 0.0], [1.0, 0.5, 0.3]])
     for _ in range(50):  # 0 s ... 9.8 s
@@ -52,7 +49,7 @@ def test_first_pose_is_held_before_the_start_and_the_last_after_the_end(rig: Mak
     assert output.reference_velocity == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
 
 
-def test_path_is_joined_from_the_present_position_within_the_velocity_limits(rig: Make) -> None:
+def test_path_is_joined_from_the_present_position_within_the_velocity_limits() -> None:
     ship = rig(mode="setpoint")
     ship.position = np.array([-1.0, 2.0, 3.0])
     ship.step()
@@ -69,7 +66,7 @@ def test_path_is_joined_from_the_present_position_within_the_velocity_limits(rig
     assert output.reference_position == pytest.approx([along * math.cos(3.0), -along * math.sin(3.0), -3.0], abs=1e-9)
 
 
-def test_four_full_turns_can_be_sailed_as_a_path(rig: Make) -> None:
+def test_four_full_turns_can_be_sailed_as_a_path() -> None:
     """The manoeuvre of [Ruth] Run E: the heading is not wrapped on the way."""
     ship = rig(mode="tracking")
     headings = np.arange(0.0, 8 * math.pi + 0.1, math.pi / 4)
@@ -84,7 +81,7 @@ def test_four_full_turns_can_be_sailed_as_a_path(rig: Make) -> None:
     assert turned == pytest.approx(8 * math.pi, abs=0.01)  # sum of rates for an integral
 
 
-def test_new_path_is_joined_smoothly(rig: Make) -> None:
+def test_new_path_is_joined_smoothly() -> None:
     ship = rig(mode="tracking")
     ship.controller.set_path(*straight(100.0, 0.05))
     ship.run(100)
@@ -98,7 +95,7 @@ def test_new_path_is_joined_smoothly(rig: Make) -> None:
         before = after
 
 
-def test_a_path_faster_than_the_limit_is_caught_up_with(rig: Make) -> None:
+def test_a_path_faster_than_the_limit_is_caught_up_with() -> None:
     ship = rig(mode="tracking")
     ship.controller.set_path([0.0, 20.0, 21.0], [[0.0, 0.0, 0.0], [6.0, 0.0, 0.0], [6.0, 0.0, 0.0]])
     assert "the reference will lag" in ship.controller.message
@@ -111,8 +108,8 @@ def test_a_path_faster_than_the_limit_is_caught_up_with(rig: Make) -> None:
     assert highest <= 6.0 + 1e-9
 
 
-def test_station_is_held_against_a_steady_force(vessel: Vessel, basin: Make) -> None:
-    controller = Controller(vessel, ControllerSettings(mode="setpoint"))
+def test_station_is_held_against_a_steady_force() -> None:
+    controller = Controller(VESSEL, ControllerSettings(mode="setpoint"))
     ship = basin(force=[-4.0, 2.0, 0.3])
     outputs = ship.sail(controller, 300.0)
     assert ship.position == pytest.approx([0.0, 0.0, 0.0], abs=1e-4)
@@ -120,8 +117,8 @@ def test_station_is_held_against_a_steady_force(vessel: Vessel, basin: Make) -> 
     assert max(np.abs(output.error[:2]).max() for output in outputs) < 0.08  # 4 N / 75 N/m
 
 
-def test_set_point_change_in_closed_loop(vessel: Vessel, basin: Make) -> None:
-    controller = Controller(vessel, ControllerSettings(mode="setpoint"))
+def test_set_point_change_in_closed_loop() -> None:
+    controller = Controller(VESSEL, ControllerSettings(mode="setpoint"))
     ship = basin()
     ship.sail(controller, 1.0)
     controller.set_setpoint([2.0, -1.0, 0.5])
@@ -129,11 +126,11 @@ def test_set_point_change_in_closed_loop(vessel: Vessel, basin: Make) -> None:
     assert ship.position == pytest.approx([2.0, -1.0, 0.5], abs=1e-3)
 
 
-def test_steps_of_any_length_give_the_same_reference(vessel: Vessel) -> None:
+def test_steps_of_any_length_give_the_same_reference() -> None:
     """Odometry that comes irregularly: the reference depends on time alone, not on the samples."""
     ends = []
     for pattern in ([0.2], [0.1], [0.4, 0.1, 0.3], [2.0]):
-        controller = Controller(vessel, ControllerSettings(mode="setpoint"))
+        controller = Controller(VESSEL, ControllerSettings(mode="setpoint"))
         at = ControllerInputs(np.zeros(3), np.zeros(3))
         controller.step(at, 0.2)
         controller.set_setpoint([0.2, 0.1, 0.05])

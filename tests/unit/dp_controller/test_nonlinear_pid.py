@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,12 +10,12 @@ import pytest
 from dp_controller import Controller, ControllerInputs, ControllerSettings
 from dp_controller.pid import NonlinearPid
 from dp_controller.vectors import ZERO
-from marine_model import Vessel
+from support.controller_rig import VESSEL, Basin, basin
 
 
-def test_hand_worked_case_with_the_gains_of_appendix_b(vessel: Vessel) -> None:
+def test_hand_worked_case_with_the_gains_of_appendix_b() -> None:
     """Heading 90 deg east: 0.2 m to the north is 0.2 m to port, 0.1 m to the east is 0.1 m ahead."""
-    controller = Controller(vessel, ControllerSettings(mode="setpoint"))
+    controller = Controller(VESSEL, ControllerSettings(mode="setpoint"))
     at = np.array([0.0, 0.0, math.pi / 2])
     rest = np.zeros(3)
     controller.step(ControllerInputs(at, rest, None), 0.2)
@@ -55,9 +53,9 @@ def test_back_calculation_is_a_first_order_lag() -> None:
     assert pid.force[0] == pytest.approx(0.0, abs=1e-12)
 
 
-def drift_off_and_recover(vessel: Vessel, ship: Any, anti_windup_time: float) -> tuple[float, float, float]:
+def drift_off_and_recover(ship: Basin, anti_windup_time: float) -> tuple[float, float, float]:
     """16 N against thrusters of 15 N for a minute, then 5 N: largest |I| and |P| under strain, largest overshoot."""
-    controller = Controller(vessel, ControllerSettings(mode="setpoint", anti_windup_time=anti_windup_time))
+    controller = Controller(VESSEL, ControllerSettings(mode="setpoint", anti_windup_time=anti_windup_time))
     strained = ship.sail(controller, 60.0)
     assert ship.position[0] < -7.0  # far off: hundreds of newtons of proportional part
     ship.force[:] = [-5.0, 0.0, 0.0]
@@ -71,25 +69,23 @@ def drift_off_and_recover(vessel: Vessel, ship: Any, anti_windup_time: float) ->
 
 
 @pytest.mark.parametrize("anti_windup_time", [5.0, 20.0])
-def test_saturated_thrusters_do_not_wind_up_the_integral(
-    vessel: Vessel, basin: Callable[..., Any], anti_windup_time: float
-) -> None:
+def test_saturated_thrusters_do_not_wind_up_the_integral(anti_windup_time: float) -> None:
     integral, proportional, overshoot = drift_off_and_recover(
-        vessel, basin(force=[-16.0, 0.0, 0.0], tau_max=15.0), anti_windup_time
+        basin(force=[-16.0, 0.0, 0.0], tau_max=15.0), anti_windup_time
     )
     # In the steady state of back-calculation the whole demand is a little above what is achieved: |I| < |P| + 15 N.
     assert integral < proportional
     assert overshoot < 0.01
-    _, _, without = drift_off_and_recover(vessel, basin(force=[-16.0, 0.0, 0.0], tau_max=15.0), 0.0)
+    _, _, without = drift_off_and_recover(basin(force=[-16.0, 0.0, 0.0], tau_max=15.0), 0.0)
     assert without > 10.0
 
 
-def test_demand_limit_does_not_wind_up_the_integral(vessel: Vessel, basin: Callable[..., Any]) -> None:
+def test_demand_limit_does_not_wind_up_the_integral() -> None:
     """The same with a limit on the demand, and an allocator that says nothing."""
     integral = {}
     for time in (20.0, 0.0):
         settings = ControllerSettings(mode="setpoint", anti_windup_time=time, tau_max=(15.0, 0.0, 0.0))
-        controller, away = Controller(vessel, settings), np.array([-1.0, 0.0, 0.0])
+        controller, away = Controller(VESSEL, settings), np.array([-1.0, 0.0, 0.0])
         controller.step(ControllerInputs(np.zeros(3), np.zeros(3)), 0.2)
         for _ in range(1000):
             output = controller.step(ControllerInputs(away, np.zeros(3)), 0.2)
@@ -100,12 +96,12 @@ def test_demand_limit_does_not_wind_up_the_integral(vessel: Vessel, basin: Calla
     assert integral[20.0] == pytest.approx(3.0 * 20.0 - 75.0 + 15.0, abs=1.0)
 
 
-def test_gain_scales_multiply_the_gains_of_the_vessel(vessel: Vessel) -> None:
+def test_gain_scales_multiply_the_gains_of_the_vessel() -> None:
     settings = ControllerSettings(
         mode="setpoint",
         proportional_scale=(2.0, 1.0, 1.0),
         derivative_scale=(1.0, 0.5, 1.0),
         integral_scale=(1.0, 1.0, 0.0),
     )
-    controller = Controller(vessel, settings)
+    controller = Controller(VESSEL, settings)
     assert controller._pid.gains == ((150.0, 77.0, 15.0), (3.0, 3.1, 0.0), (98.0, 44.5, 14.0))

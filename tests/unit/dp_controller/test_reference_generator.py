@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from dp_controller.reference_generator import LONGEST_STEP, ReferenceGenerator
 from dp_controller.second_order import transition
 from dp_controller.vectors import ZERO, Triple
-from marine_model import Vessel
+from support.controller_rig import VESSEL
 
 FREQUENCY = 0.5
 WIDE = (1e9, 1e9, 1e9)
@@ -34,8 +34,8 @@ def test_transition_is_the_matrix_exponential(damping: float, dt: float) -> None
     assert np.array(transition(FREQUENCY, damping, dt)).reshape(2, 2) == pytest.approx(expected, abs=1e-12)
 
 
-def test_step_of_the_vessel_file_follows_the_closed_form(vessel: Vessel) -> None:
-    gains = vessel.controller.reference
+def test_step_of_the_vessel_file_follows_the_closed_form() -> None:
+    gains = VESSEL.controller.reference
     assert (gains.frequency, gains.damping, gains.velocity_max[0]) == (0.5, 1.0, 0.1)  # B.3.2
     generator = ReferenceGenerator(gains.frequency, gains.damping, gains.velocity_max)
     # 0.3 m asks for w / 2 * 0.3 = 0.075 m/s at most: below the limit all the way.

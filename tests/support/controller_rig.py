@@ -1,10 +1,10 @@
+"""What a controller under test is fed with."""
+
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-import pytest
 from numpy.typing import ArrayLike, NDArray
 
 from dp_controller import Controller, ControllerInputs, ControllerOutput, ControllerSettings
@@ -16,9 +16,7 @@ DT = 0.2
 Array = NDArray[np.float64]
 
 
-@pytest.fixture(scope="session")
-def vessel() -> Vessel:
-    return load_vessel("cybership3")
+VESSEL = load_vessel("cybership3")
 
 
 @dataclass
@@ -74,17 +72,11 @@ class Basin:
         return outputs
 
 
-@pytest.fixture
-def rig(vessel: Vessel) -> Callable[..., Rig]:
-    def make(**settings: object) -> Rig:
-        return Rig(Controller(vessel, ControllerSettings.model_validate(settings)))
-
-    return make
+def rig(**settings: object) -> Rig:
+    """A rig with these settings."""
+    return Rig(Controller(VESSEL, ControllerSettings.model_validate(settings)))
 
 
-@pytest.fixture
-def basin(vessel: Vessel) -> Callable[..., Basin]:
-    def make(force: ArrayLike = (0.0, 0.0, 0.0), tau_max: float = np.inf) -> Basin:
-        return Basin(vessel, force, tau_max)
-
-    return make
+def basin(force: ArrayLike = (0.0, 0.0, 0.0), tau_max: float = np.inf) -> Basin:
+    """A vessel in a basin."""
+    return Basin(VESSEL, force, tau_max)

@@ -1,0 +1,276 @@
+"""The controller as a ROS 2 node: odometry and operator inputs in, demands and status out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from dp_msgs.msg import ControllerStatus
+from geometry_msgs.msg import PoseStamped, WrenchStamped
+from nav_msgs.msg import Odometry, Path
+
+from dp_controller.controller import NOMINAL, OBSERVER_INVALID, Controller
+from dp_controller.settings import ControllerSettings
+from dp_controller.signals import ControllerInputs, ControllerOutput
+from dp_controller.timed_path import TimedPath
+from dp_node import AnswerGate, DpNode, Health, Level, StampSequence, from_nanoseconds, run_node, to_nanoseconds
+from dp_node.stamps import seconds_between
+from marine_model.errors import InputError
+from marine_model.frames import BODY_FRAME, MAP_FRAME, quaternion_to_heading
+from marine_model.guards import FloatArray, finite_vector
+from marine_model.vessel import Vessel
+
+
+class ControllerNode(DpNode[ControllerSettings]):
+    """Answers every odometry with one tau_desired and one controller_status, and every operator input with the latter.
+
+    Demands carry the stamp of the odometry they answer. Stamps of joystick and path are on the same time as those of
+    odometry; a stamp of zero on a set point or joystick means "on arrival".
+    """
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("dp_controller", **kwargs)
+        self._synchronous: bool = self.structural(
+            "synchronous", False, "Answer an odometry only once tau_achieved of the one before has come (lockstep)"
+        )
+
+    def _begin(self) -> None:
+        self._core = Controller(self.vessel, self.settings)
+        self._gate = AnswerGate(self._synchronous)
+        self._stamps = StampSequence("odometry")
+        self._operator_stamps: dict[str, int] = {}
+        self._acted: int | None = None
+        self._achieved: tuple[int | None, FloatArray] = (None, _NOTHING)
+        self._early_path: Any = None
+        self._output: ControllerOutput | None = None
+        self._status = NOMINAL
+        self._setpoint_stamp = 0
+        self._joystick_stamp = 0
+        self._samples = self._samples_reported = self._unanswered = 0
+
+    def default_settings(self, vessel: Vessel) -> ControllerSettings:
+        """Return the core's settings: gains are the vessel's, scaled by one."""
+        return ControllerSettings()
+
+    def build(self) -> None:
+        """Make core, publishers and subscriptions."""
+        self._begin()
+        self._demands = self.publish_on(WrenchStamped, "tau_desired")
+        self._statuses = self.publish_on(ControllerStatus, "controller_status")
+        self.listen(Odometry, "odometry", self._on_odometry)
+        self.listen(WrenchStamped, "tau_achieved", self._on_achieved)
+        self.listen(PoseStamped, "setpoint", self._on_setpoint)
+        self.listen(WrenchStamped, "joystick", self._on_joystick)
+        self.listen(Path, "path", self._on_path)
+
+    def apply(self, settings: ControllerSettings) -> None:
+        """Hand changed settings to the core, and tell the operator."""
+        self._core.apply(settings)
+        self._answer(self._last_stamp)
+
+    def started(self) -> None:
+        """Begin as after the first start: an activation knows no estimate, no operator input and no integral."""
+        self._begin()
+
+    def health(self) -> Health:
+        """Return mode, safe states and counts."""
+        quiet = self._samples == self._samples_reported
+        self._samples_reported = self._samples
+        level, message = Level.OK, self._status
+        if quiet:
+            level, message = Level.WARN, "no odometry: no tau_desired"
+        elif OBSERVER_INVALID in self._status:
+            level = Level.ERROR
+        elif self._status != NOMINAL:
+            level = Level.WARN
+        values: dict[str, object] = {
+            "mode": self.settings.mode,
+            "status": self._status,
+            "answer": self._core.message,
+            "samples": self._samples,
+            "samples_without_tau_achieved": self._unanswered,
+            "odometry_held": self._gate.held,
+        }
+        return Health(level, message, values)
+
+    # Estimates ------------------------------------------------------------------------------------------------------
+
+    def _on_odometry(self, message: Any) -> None:
+        _require_frame("odometry", message.header.frame_id, MAP_FRAME)
+        _require_frame("odometry child_frame_id", message.child_frame_id, BODY_FRAME)
+        # An invalid observer says so with a negative variance; its numbers are not looked at.
+        valid = not message.pose.covariance[0] < 0.0
+        position = velocity = _NOTHING
+        if valid:
+            position = _pose("odometry", message.pose.pose)
+            twist = message.twist.twist
+            velocity = finite_vector("odometry twist", (twist.linear.x, twist.linear.y, twist.angular.z), 3)
+        stamp = to_nanoseconds(message.header.stamp)
+        dt = self._stamps.step(message.header.stamp, self.vessel.measurement.sample_time)
+        self._gate.submit(stamp, partial(self._act, stamp, dt, position, velocity, valid))
+
+    def _on_achieved(self, message: Any) -> None:
+        stamp = to_nanoseconds(message.header.stamp)
+        try:
+            _require_frame("tau_achieved", message.header.frame_id, BODY_FRAME)
+            self._achieved = (stamp, _wrench("tau_achieved", message.wrench))
+        finally:
+            # Refused or not, the allocator has answered: the next sample must not wait for ever.
+            self._gate.answer(stamp)
+
+    def _act(self, stamp: int, dt: float, position: FloatArray, velocity: FloatArray, valid: bool) -> None:
+        answered, achieved = self._achieved
+        if self._acted is None and self._early_path is not None:
+            self._core.set_path(*_timed_poses(self._early_path, stamp, 0.0))
+        if self._acted is not None and answered != self._acted:
+            self._unanswered += 1
+        tau_achieved = achieved if answered == self._acted else None
+        output = self._core.step(ControllerInputs(position, velocity, tau_achieved, valid), dt)
+        self._output, self._acted = output, stamp
+        self._samples += 1
+        if output.status != self._status:
+            self._status = output.status
+            if output.status == NOMINAL:
+                self.get_logger().info("status: nominal")
+            else:
+                self.get_logger().warning(f"status: {output.status}")
+        self._publish_demand(stamp, output)
+        self._publish_status(stamp)
+
+    # Operator -------------------------------------------------------------------------------------------------------
+
+    def _on_setpoint(self, message: Any) -> None:
+        self._take("set point", message.header, MAP_FRAME, partial(self._set_setpoint, message))
+
+    def _on_joystick(self, message: Any) -> None:
+        self._take("joystick", message.header, BODY_FRAME, partial(self._set_joystick, message))
+
+    def _on_path(self, message: Any) -> None:
+        self._take("path", message.header, MAP_FRAME, partial(self._set_path, message))
+
+    def _take(self, what: str, header: Any, frame: str, use: Callable[[int], None]) -> None:
+        """Hand an operator input on; answer it with a status whether it is accepted or refused."""
+        given = to_nanoseconds(header.stamp)
+        stamp = given if given else self._last_stamp
+        try:
+            _require_frame(what, header.frame_id, frame)
+            last = self._operator_stamps.get(what, 0)
+            if stamp < last:
+                raise InputError(
+                    f"{what}: expected a time stamp of at least {last * 1e-9:.3f} s, found {stamp * 1e-9:.3f} s"
+                )
+            use(stamp)
+            self._operator_stamps[what] = stamp
+        except InputError as error:
+            self._core.answer(f"{what} refused: {error}")
+            raise
+        finally:
+            self._answer(stamp)
+
+    def _set_setpoint(self, message: Any, stamp: int) -> None:
+        self._core.set_setpoint(_pose("set point", message.pose))
+        self._setpoint_stamp = stamp
+
+    def _set_joystick(self, message: Any, stamp: int) -> None:
+        time = None if self._acted is None else self._core.time + seconds_between(self._acted, stamp)
+        self._core.set_joystick(_wrench("joystick", message.wrench), time)
+        self._joystick_stamp = stamp
+
+    def _set_path(self, message: Any, stamp: int) -> None:
+        if self._acted is not None:
+            self._core.set_path(*_timed_poses(message, self._acted, self._core.time))
+        else:
+            # Its times cannot be told before there is a time: checked now, taken with the first estimate.
+            path = TimedPath(*_timed_poses(message, stamp, 0.0))
+            self._early_path = message
+            self._core.answer(f"path accepted: {len(path)} poses; waits for odometry")
+        self._setpoint_stamp = stamp
+
+    # Messages -------------------------------------------------------------------------------------------------------
+
+    @property
+    def _last_stamp(self) -> int:
+        """Stamp of the last odometry, ns; 0 before the first."""
+        return self._stamps.last or 0
+
+    def _publish_demand(self, stamp: int, output: ControllerOutput) -> None:
+        message = WrenchStamped()
+        message.header.stamp = from_nanoseconds(stamp)
+        message.header.frame_id = BODY_FRAME
+        message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = output.tau_desired.tolist()
+        self._demands.publish(message)
+
+    def _answer(self, stamp: int) -> None:
+        """Publish the status between two samples, as the answer to an operator."""
+        if self.active:
+            self._publish_status(stamp)
+
+    def _publish_status(self, stamp: int) -> None:
+        output, settings = self._output, self._core.settings
+        message = ControllerStatus()
+        message.header.stamp = from_nanoseconds(stamp)
+        message.header.frame_id = BODY_FRAME
+        message.mode = settings.mode
+        message.axis_mode = list(settings.axis_modes)
+        message.status = self._status
+        message.message = self._core.message
+        message.setpoint_stamp = from_nanoseconds(self._setpoint_stamp)
+        message.joystick_stamp = from_nanoseconds(self._joystick_stamp)
+        if output is not None:
+            message.reference_position = output.reference_position
+            message.reference_velocity = output.reference_velocity
+            message.error = output.error
+            message.proportional = output.proportional
+            message.integral = output.integral
+            message.derivative = output.derivative
+            message.joystick = output.joystick
+        self._statuses.publish(message)
+
+
+_NOTHING: FloatArray = np.zeros(3)
+_NOTHING.setflags(write=False)
+
+
+def _require_frame(what: str, found: str, expected: str) -> None:
+    if found != expected:
+        raise InputError(f"{what}: expected frame '{expected}', found '{found}'")
+
+
+def _pose(what: str, pose: Any) -> FloatArray:
+    """Return north, east, heading of a geometry_msgs/Pose."""
+    orientation = pose.orientation
+    plane = (pose.position.x, pose.position.y)
+    if not all(map(math.isfinite, plane)):
+        raise InputError(f"{what}: expected finite numbers, found {list(plane)}")
+    try:
+        heading = quaternion_to_heading(orientation.x, orientation.y, orientation.z, orientation.w)
+    except InputError as error:
+        raise InputError(f"{what} {error}") from error
+    return np.array((*plane, heading))
+
+
+def _wrench(what: str, wrench: Any) -> FloatArray:
+    """Return surge, sway and yaw of a geometry_msgs/Wrench."""
+    return finite_vector(what, (wrench.force.x, wrench.force.y, wrench.torque.z), 3)
+
+
+def _timed_poses(message: Any, stamp: int, time: float) -> tuple[list[float], list[FloatArray]]:
+    """Return times and positions of a nav_msgs/Path; ``stamp`` (ns) is ``time`` (s) on the controller's clock."""
+    times, positions = [], []
+    for i, pose in enumerate(message.poses):
+        # A pose that names no frame is in that of the path.
+        if pose.header.frame_id:
+            _require_frame(f"path pose {i}", pose.header.frame_id, MAP_FRAME)
+        times.append(time + seconds_between(stamp, to_nanoseconds(pose.header.stamp)))
+        positions.append(_pose(f"path pose {i}", pose.pose))
+    if not positions:
+        raise InputError("path: expected at least one pose, found none")
+    return times, positions
+
+
+def main() -> None:
+    """Run the node until SIGINT or SIGTERM."""
+    run_node(ControllerNode)
