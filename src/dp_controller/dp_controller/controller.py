@@ -88,7 +88,7 @@ class Controller:
 
     @property
     def message(self) -> str:
-        """Answer to the last operator input."""
+        """Answer to the last operator input: ``accepted: ...`` or ``refused: ...``."""
         return self._message
 
     def answer(self, text: str) -> None:
@@ -105,10 +105,10 @@ class Controller:
             for name in ("proportional_scale", "derivative_scale", "velocity_scale")
         )
         if before.axis_modes == settings.axis_modes and before.mode == settings.mode:
-            self._message = "settings accepted"
+            self._message = "accepted: settings"
         else:
             axes = ", ".join(f"{axis} {mode}" for axis, mode in zip(AXES, settings.axis_modes, strict=True))
-            self._message = f"mode {settings.mode} accepted: {axes}"
+            self._message = f"accepted: mode {settings.mode}: {axes}"
 
     def set_setpoint(self, position: ArrayLike) -> None:
         """Give a set point for the automatic axes.
@@ -125,11 +125,11 @@ class Controller:
         InputError
             If the shape is wrong or a number is not finite; the set point before stays.
         """
-        with self._answering("set point"):
+        with self._answering():
             setpoint = _triple("set point", position)
         self._guidance.set_setpoint(setpoint)
         automatic = [axis for axis, mode in zip(AXES, self._settings.axis_modes, strict=True) if mode == "automatic"]
-        text = f"set point accepted: {setpoint[0]:.3f} m, {setpoint[1]:.3f} m, {setpoint[2]:.4f} rad"
+        text = f"accepted: set point {setpoint[0]:.3f} m, {setpoint[1]:.3f} m, {setpoint[2]:.4f} rad"
         if self._settings.mode == "tracking":
             text += "; waits for the end of mode tracking"
         elif not automatic:
@@ -154,7 +154,7 @@ class Controller:
             If the shape is wrong, a number is not finite, or the time lies before that of the last one or further
             ahead than the joystick timeout; the force before stays.
         """
-        with self._answering("joystick"):
+        with self._answering():
             force = _triple("joystick", tau)
             given = self.time if time is None else finite_number("joystick time", time)
             last, timeout = self._joystick.time, self._settings.joystick_timeout
@@ -167,7 +167,7 @@ class Controller:
                     f"found {given - self.time:.3f} s"
                 )
         self._joystick.set(force, given)
-        self._message = "joystick accepted"
+        self._message = "accepted: joystick"
 
     def set_path(self, times: ArrayLike, positions: ArrayLike) -> None:
         """Give a timed path for mode tracking, in place of the one before.
@@ -184,10 +184,10 @@ class Controller:
         InputError
             If a shape is wrong, a number is not finite, or times do not increase; the path before stays.
         """
-        with self._answering("path"):
+        with self._answering():
             path = TimedPath(times, positions)
         self._guidance.set_path(path)
-        text = f"path accepted: {len(path)} poses from {path.start:.1f} s to {path.end:.1f} s"
+        text = f"accepted: path of {len(path)} poses from {path.start:.1f} s to {path.end:.1f} s"
         fast = [
             f"{axis} ({speed:.3g} of {limit:.3g})"
             for axis, speed, limit in zip(
@@ -355,12 +355,12 @@ class Controller:
         return _product(self._velocity_max, self._settings.velocity_scale)
 
     @contextmanager
-    def _answering(self, what: str) -> Iterator[None]:
+    def _answering(self) -> Iterator[None]:
         """Make a refusal the answer to the operator."""
         try:
             yield
         except InputError as error:
-            self._message = f"{what} refused: {error}"
+            self._message = f"refused: {error}"
             raise
 
 

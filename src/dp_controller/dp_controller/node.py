@@ -165,7 +165,7 @@ class ControllerNode(DpNode[ControllerSettings]):
             use(stamp)
             self._operator_stamps[what] = stamp
         except InputError as error:
-            self._core.answer(f"{what} refused: {error}")
+            self._core.answer(f"refused: {error}")
             raise
         finally:
             self._answer(stamp)
@@ -186,7 +186,7 @@ class ControllerNode(DpNode[ControllerSettings]):
             # Its times cannot be told before there is a time: checked now, taken with the first estimate.
             path = TimedPath(*_timed_poses(message, stamp, 0.0))
             self._early_path = message
-            self._core.answer(f"path accepted: {len(path)} poses; waits for odometry")
+            self._core.answer(f"accepted: path of {len(path)} poses; waits for odometry")
         self._setpoint_stamp = stamp
 
     # Messages -------------------------------------------------------------------------------------------------------

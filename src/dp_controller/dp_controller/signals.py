@@ -47,7 +47,7 @@ class ControllerOutput:
     status
         ``nominal``, or the names of the safe states in force, separated by commas.
     message
-        Answer to the last operator input.
+        Answer to the last operator input: ``accepted: ...`` or ``refused: ...``.
     reference_position
         Shape (3,): north (m), east (m), heading (rad, wrapped); in a manual axis that of the vessel.
     reference_velocity
