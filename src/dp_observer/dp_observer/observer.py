@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import copy
-import math
 
 import numpy as np
 
 from dp_observer.estimate import ObserverEstimate, ObserverInputs, ObserverStatus
+from dp_observer.input_checks import checked_position, checked_step, checked_tau
 from dp_observer.measurement_gate import MeasurementGate, Verdict
 from dp_observer.model import (
     BIAS,
@@ -20,15 +20,9 @@ from dp_observer.model import (
     ObserverModel,
 )
 from dp_observer.settings import ObserverSettings
-from marine_model.errors import InputError
 from marine_model.frames import wrap_angle
-from marine_model.guards import FloatArray, finite_vector, positive_number
+from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
-
-# Beyond these a number is a fault of its sender (no point of the Earth is farther off), and sums might overflow.
-_LARGEST_POSITION = 1.0e8
-_LARGEST_FORCE = 1.0e12
-_LARGEST_STEP = 1.0e9
 
 _ROUNDING = 1.0e-9  # s, of ages added up from steps
 
@@ -90,13 +84,11 @@ class Observer:
             If ``dt`` is not positive or an input has the wrong shape, is not finite or is absurdly large; the observer
             is then as before.
         """
-        dt = positive_number("dt", dt)
-        if dt > _LARGEST_STEP:
-            raise InputError(f"dt: expected at most {_LARGEST_STEP:g} s, found {dt}")
-        tau = _bounded("tau", inputs.tau, _LARGEST_FORCE)
+        dt = checked_step(dt)
+        tau = checked_tau(inputs.tau)
         if inputs.position is None:
             return self._dead_reckon(tau, dt)
-        return self._measure(_bounded("position", inputs.position, _LARGEST_POSITION), tau, dt)
+        return self._measure(checked_position(inputs.position), tau, dt)
 
     def _dead_reckon(self, tau: FloatArray, dt: float) -> ObserverEstimate:
         self._age += dt
@@ -207,11 +199,3 @@ class Observer:
             status=status,
             time_since_measurement=self._age,
         )
-
-
-def _bounded(name: str, value: FloatArray, largest: float) -> FloatArray:
-    vector = finite_vector(name, value, 3)
-    for number in vector.tolist():
-        if not math.fabs(number) <= largest:
-            raise InputError(f"{name}: expected numbers within {largest:g}, found {vector.tolist()}")
-    return vector
