@@ -30,7 +30,7 @@ _LONGEST_RUN_NS = 10_000_000 * _NANOSECONDS
 Row = tuple[float, ...]
 
 
-class BagRefused(DpError):
+class BagError(DpError):
     """A recording cannot be read, or lacks what a report needs; the message says what."""
 
 
@@ -115,7 +115,7 @@ class _Collector:
 
     def _by_thruster(self, series: str, stamp: int, names: list[str], values: Any) -> None:
         if list(names) != self._names:
-            raise BagRefused(f"{series}: expected the thrusters {self._names}, found {list(names)}")
+            raise BagError(f"{series}: expected the thrusters {self._names}, found {list(names)}")
         self._row(series, stamp, values)
 
     def _pose(self, stamp: int, m: Any) -> None:
@@ -177,16 +177,16 @@ def bag_file(path: Path) -> Path:
 
     Raises
     ------
-    BagRefused
+    BagError
         If there is none, or more than one.
     """
     if path.is_file():
         return path
     if not path.is_dir():
-        raise BagRefused(f"{path}: no such bag")
+        raise BagError(f"{path}: no such bag")
     found = sorted(path.glob("*.mcap"))
     if len(found) != 1:
-        raise BagRefused(f"{path}: expected one .mcap file, found {len(found)}")
+        raise BagError(f"{path}: expected one .mcap file, found {len(found)}")
     return found[0]
 
 
@@ -202,7 +202,7 @@ def read_bag(path: Path, vessel: str = "") -> RecordedRun:
 
     Raises
     ------
-    BagRefused
+    BagError
         If the bag cannot be read, holds no vessel and none is named, or holds two graphs.
     DpError
         If the vessel or scenario in it is not valid.
@@ -212,7 +212,7 @@ def read_bag(path: Path, vessel: str = "") -> RecordedRun:
         with file.open("rb") as stream:
             return _read(stream, file, vessel)
     except (OSError, McapError) as error:
-        raise BagRefused(f"{file}: cannot be read: {error}") from error
+        raise BagError(f"{file}: cannot be read: {error}") from error
 
 
 def _read(stream: IO[bytes], file: Path, vessel_name: str) -> RecordedRun:
@@ -227,9 +227,7 @@ def _read(stream: IO[bytes], file: Path, vessel_name: str) -> RecordedRun:
         name: Series((np.array(c.stamps) - zero) * 1e-9, _matrix(c.rows, WIDTHS[name] or len(vessel.thrusters)))
         for name, c in collector.columns.items()
     }
-    labels = {
-        name: Labels((np.array(w.stamps) - zero) * 1e-9, tuple(w.words)) for name, w in collector.words.items()
-    }
+    labels = {name: Labels((np.array(w.stamps) - zero) * 1e-9, tuple(w.words)) for name, w in collector.words.items()}
     records = {record.name: record.metadata for record in reader.iter_metadata()}
     end = max((float(entry.t[-1]) for entry in series.values()), default=0.0)
     info = RunInfo(
@@ -249,16 +247,16 @@ def _collect(reader: McapReader, collector: _Collector, file: Path) -> tuple[int
     """Hand every message that counts to ``collector``; return the log times (ns) of the first and last feedback."""
     summary = reader.get_summary()
     if summary is None:
-        raise BagRefused(f"{file}: has no summary; the recording was not closed")
+        raise BagError(f"{file}: has no summary; the recording was not closed")
     names: dict[str, str] = {}
     for channel in summary.channels.values():
         short = channel.topic.rpartition("/")[2]
         if short in collector.topics:
             if short in names.values():
-                raise BagRefused(f"{file}: expected one graph, found {short} in two namespaces")
+                raise BagError(f"{file}: expected one graph, found {short} in two namespaces")
             names[channel.topic] = short
     if not names:
-        raise BagRefused(f"{file}: holds none of the topics {', '.join(collector.topics)}")
+        raise BagError(f"{file}: holds none of the topics {', '.join(collector.topics)}")
     first = last = 0
     for _, channel, message, decoded in reader.iter_decoded_messages(topics=list(names), log_time_order=False):
         collector.take(names[channel.topic], decoded)
@@ -271,9 +269,7 @@ def _matrix(rows: list[Row], width: int) -> Any:
     return np.array(rows, dtype=np.float64).reshape(-1, width)
 
 
-def _documents(
-    attachments: Mapping[str, bytes], vessel_name: str, file: Path
-) -> tuple[Vessel, Scenario | None]:
+def _documents(attachments: Mapping[str, bytes], vessel_name: str, file: Path) -> tuple[Vessel, Scenario | None]:
     """Return the vessel and the scenario of a bag. Files on this machine are not looked at unless named."""
     with tempfile.TemporaryDirectory() as folder:
         for name in (VESSEL_ATTACHMENT, SCENARIO_ATTACHMENT):

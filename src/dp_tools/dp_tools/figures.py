@@ -15,7 +15,6 @@ from dp_tools.figure_specs import (
     FigureSpec,
     ForceLevel,
     ForceTracking,
-    LimitViolations,
     MeanPower,
     MeanPowerChange,
     PositionError,
@@ -114,9 +113,7 @@ def _compute(spec: FigureSpec, run: RunData, scenario: Scenario, vessel: Vessel)
         return _position_error(spec, run, scenario)
     if isinstance(spec, ForceLevel):
         axis = _AXES.index(spec.axis)
-        series = (
-            measured_force(run, vessel) if spec.force == "tau_measured" else run[spec.force]
-        )
+        series = measured_force(run, vessel) if spec.force == "tau_measured" else run[spec.force]
         force = _column(series, scenario, spec.window, axis)
         statistic = _mean if spec.statistic == "mean" else _std
         return _with_interval(spec, _FORCE_UNITS[axis], statistic, force)
@@ -124,9 +121,7 @@ def _compute(spec: FigureSpec, run: RunData, scenario: Scenario, vessel: Vessel)
         axis = _AXES.index(spec.axis)
         measured = measured_force(run, vessel)
         error = Series(measured.t, measured.values - run["tau_achieved"].at(measured.t))
-        return _with_interval(
-            spec, _FORCE_UNITS[axis], _rms, _column(error, scenario, spec.window, axis)
-        )
+        return _with_interval(spec, _FORCE_UNITS[axis], _rms, _column(error, scenario, spec.window, axis))
     if isinstance(spec, TimeToDemand):
         return Figure(spec, _longest_time_to_demand(spec, run, scenario), "s")
     if isinstance(spec, AzimuthStep):
@@ -144,9 +139,7 @@ def _column(series: Series, scenario: Scenario, window: str, column: int) -> Flo
     return values[np.isfinite(values)]
 
 
-def _with_interval(
-    spec: FigureSpec, unit: str, statistic: Callable[..., float], *samples: FloatArray
-) -> Figure:
+def _with_interval(spec: FigureSpec, unit: str, statistic: Callable[..., float], *samples: FloatArray) -> Figure:
     low, high = batch_jackknife(statistic, samples)
     return Figure(spec, statistic(*samples), unit, low, high)
 
@@ -206,4 +199,3 @@ def _longest_time_to_demand(spec: TimeToDemand, run: RunData, scenario: Scenario
     if not times or any(took is None for took in times):
         return None
     return max(took for took in times if took is not None)
-

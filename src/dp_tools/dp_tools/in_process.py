@@ -16,11 +16,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
+from typing import Any, TypeVar
 
 import numpy as np
 
-from dp_controller import Controller, ControllerInputs
-from dp_observer import Observer, ObserverInputs
+from dp_controller import Controller, ControllerInputs, ControllerSettings
+from dp_observer import Observer, ObserverInputs, ObserverSettings
 from dp_tools.node_settings import ALLOCATOR, CONTROLLER, DRIVERS, OBSERVER, SIMULATOR
 from dp_tools.run_data import RunData, RunInfo
 from dp_tools.run_log import RunLog
@@ -30,10 +31,12 @@ from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import heading_to_quaternion, quaternion_to_heading
 from marine_model.guards import FloatArray
-from marine_model.settings import with_parameters
-from thrust_allocator import Allocator
-from thruster_drivers import DriverInputs, Drivers
-from vessel_sim import Simulator, SimulatorInputs
+from marine_model.settings import Settings, with_parameters
+from thrust_allocator import Allocator, AllocatorSettings
+from thruster_drivers import DriverInputs, Drivers, DriverSettings
+from vessel_sim import Simulator, SimulatorInputs, SimulatorSettings
+
+S = TypeVar("S", bound=Settings)
 
 _AT_FEEDBACK = frozenset(
     ("shaft_speed", "motor_torque", "power", "azimuth", "torque_setpoint", "azimuth_rate_setpoint")
@@ -62,23 +65,24 @@ class ClosedLoop:
         self._vessel = vessel
         self._scenario = scenario
         self._settings = scenario.settings(vessel)
-        self._cores = {
-            SIMULATOR: (simulator := Simulator(vessel, self._settings[SIMULATOR])),
-            OBSERVER: (observer := Observer(vessel, self._settings[OBSERVER])),
-            CONTROLLER: (controller := Controller(vessel, self._settings[CONTROLLER])),
-            ALLOCATOR: (allocator := Allocator(vessel, self._settings[ALLOCATOR])),
-            DRIVERS: (drivers := Drivers(vessel, self._settings[DRIVERS])),
+        self._simulator = Simulator(vessel, self._of(SIMULATOR, SimulatorSettings))
+        self._observer = Observer(vessel, self._of(OBSERVER, ObserverSettings))
+        self._controller = Controller(vessel, self._of(CONTROLLER, ControllerSettings))
+        self._allocator = Allocator(vessel, self._of(ALLOCATOR, AllocatorSettings))
+        self._drivers = Drivers(vessel, self._of(DRIVERS, DriverSettings))
+        self._apply: dict[str, Callable[[Any], None]] = {
+            SIMULATOR: self._simulator.apply,
+            OBSERVER: self._observer.apply,
+            CONTROLLER: self._controller.apply,
+            ALLOCATOR: self._allocator.apply,
+            DRIVERS: self._drivers.apply,
         }
-        self._simulator, self._observer, self._controller = simulator, observer, controller
-        self._allocator, self._drivers = allocator, drivers
 
         self._step_ns = round(vessel.simulation.time_step * 1e9)
         self._ratio = round(vessel.measurement.sample_time / vessel.simulation.time_step)
         self._ticks = self._tick_at(scenario.duration)
         self._tick = 0
-        self._log = RunLog(
-            vessel.thruster_names, -(-self._ticks // self._ratio), self._ticks, _AT_FEEDBACK
-        )
+        self._log = RunLog(vessel.thruster_names, -(-self._ticks // self._ratio), self._ticks, _AT_FEEDBACK)
         n = len(vessel.thrusters)
         self._tau_achieved: FloatArray = np.zeros(3)
         self._thrust: FloatArray = np.zeros(n)
@@ -121,8 +125,14 @@ class ClosedLoop:
 
     def data(self, info: RunInfo) -> RunData:
         """Return what was logged so far."""
-        feedback_times = np.arange(self._tick) * self._step_ns * 1e-9
+        feedback_times: FloatArray = np.arange(self._tick, dtype=np.float64) * self._step_ns * 1e-9
         return self._log.finish(info, feedback_times[:: self._ratio], feedback_times)
+
+    def _of(self, node: str, kind: type[S]) -> S:
+        settings = self._settings[node]
+        if not isinstance(settings, kind):
+            raise TypeError(f"{node}: expected {kind.__name__}, found {type(settings).__name__}")
+        return settings
 
     def _tick_at(self, seconds: float) -> int:
         return round(seconds * 1e9 / self._step_ns)
@@ -131,7 +141,7 @@ class ClosedLoop:
         """Do what the operator does: parameters first."""
         for node, values in event.parameters.items():
             settings = with_parameters(self._settings[node], values)
-            self._cores[node].apply(settings)
+            self._apply[node](settings)
             self._settings[node] = settings
         if event.setpoint is not None:
             self._controller.set_setpoint(_as_sent(np.array(event.setpoint)))
@@ -149,7 +159,10 @@ class ClosedLoop:
         ratio, step_ns, step = self._ratio, self._step_ns, self._vessel.simulation.time_step
         rows = self._log.rows
         shaft_speed, motor_torque, power, azimuth = (
-            rows["shaft_speed"], rows["motor_torque"], rows["power"], rows["azimuth"],
+            rows["shaft_speed"],
+            rows["motor_torque"],
+            rows["power"],
+            rows["azimuth"],
         )
         torque_setpoint, rate_setpoint = rows["torque_setpoint"], rows["azimuth_rate_setpoint"]
         elapsed = step_ns * 1e-9  # as nodes find it from stamps
@@ -166,9 +179,7 @@ class ClosedLoop:
             azimuth[k] = output.azimuth
             age = phase * step_ns * 1e-9
             setpoint = drivers.step(
-                DriverInputs(
-                    self._thrust, self._azimuth, age, output.shaft_speed, output.torque, output.azimuth
-                ),
+                DriverInputs(self._thrust, self._azimuth, age, output.shaft_speed, output.torque, output.azimuth),
                 elapsed if k else step,
             )
             torque_setpoint[k] = setpoint.torque

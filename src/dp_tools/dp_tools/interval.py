@@ -9,6 +9,7 @@ batch-means interval itself. Nothing is drawn at random.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 
@@ -62,7 +63,7 @@ def batch_jackknife(
                     np.concatenate([window[:first], window[last:]]),
                     *samples[i + 1 :],
                 )
-                for first, last in zip(edges[:-1], edges[1:], strict=True)
+                for first, last in itertools.pairwise(edges)
             ]
         )
         variance += (batches - 1) / batches * float(((left_out - left_out.mean()) ** 2).sum())

@@ -71,9 +71,7 @@ def limits_violations(run: RunData, vessel: Vessel) -> tuple[LimitCheck, ...]:
             -vessel.thrust_rate,
             vessel.thrust_rate,
         ),
-        *_check(
-            run, "azimuth_rate", "rad/s", azimuth.t[1:], turn, -vessel.azimuth_rate, vessel.azimuth_rate
-        ),
+        *_check(run, "azimuth_rate", "rad/s", azimuth.t[1:], turn, -vessel.azimuth_rate, vessel.azimuth_rate),
     ]
     if "torque_setpoint" in run:
         torque = run["torque_setpoint"]
@@ -81,9 +79,7 @@ def limits_violations(run: RunData, vessel: Vessel) -> tuple[LimitCheck, ...]:
         checks += _check(run, "torque", "N m", torque.t, torque.values, -largest, largest)
     if "azimuth_rate_setpoint" in run:
         rate = run["azimuth_rate_setpoint"]
-        fastest = np.array(
-            [t.azimuth_drive.rate_max if t.type == "azimuth" else 0.0 for t in vessel.thrusters]
-        )
+        fastest = np.array([t.azimuth_drive.rate_max if t.type == "azimuth" else 0.0 for t in vessel.thrusters])
         checks += _check(run, "azimuth_motor_rate", "rad/s", rate.t, rate.values, -fastest, fastest)
     return tuple(checks)
 

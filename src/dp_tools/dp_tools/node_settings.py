@@ -10,7 +10,6 @@ from thrust_allocator import AllocatorSettings
 from thruster_drivers import DriverSettings
 from vessel_sim import SimulatorSettings
 
-
 SIMULATOR = "vessel_sim"
 OBSERVER = "dp_observer"
 CONTROLLER = "dp_controller"

@@ -194,9 +194,7 @@ class RunData:
                 raise InputError(f"series: expected one of {', '.join(WIDTHS)}, found '{name}'")
             width = WIDTHS[name] or len(self.thrusters)
             if entry.values.shape != (len(entry.t), width):
-                raise InputError(
-                    f"series {name}: expected shape ({len(entry.t)}, {width}), found {entry.values.shape}"
-                )
+                raise InputError(f"series {name}: expected shape ({len(entry.t)}, {width}), found {entry.values.shape}")
             if len(entry.t) > 1 and not (np.diff(entry.t) > 0.0).all():
                 raise InputError(f"series {name}: expected increasing time")
 

@@ -35,7 +35,7 @@ class Event(Section):
 
     at: NonNegative  # s; whole samples of the control system
     label: str = ""  # shown in the report
-    parameters: NodeParameters = {}
+    parameters: NodeParameters = Field(default_factory=dict)
     setpoint: Vector3 | None = None  # m, m, rad in map_ned
     joystick: Vector3 | None = None  # N, N, N m in the body frame
     path: Annotated[tuple[PathPoint, ...], Field(strict=False, min_length=2)] | None = None
@@ -70,9 +70,9 @@ class Scenario(Section):
     vessel: str  # name, or path (from the scenario's folder)
     duration: Positive  # s; whole samples of the control system
     seed: int = Field(default=0, ge=0)
-    parameters: NodeParameters = {}  # at start
+    parameters: NodeParameters = Field(default_factory=dict)  # at start
     events: Annotated[tuple[Event, ...], Field(strict=False)] = ()
-    windows: dict[str, Window] = {}
+    windows: dict[str, Window] = Field(default_factory=dict)
     close_ups: Annotated[tuple[CloseUp, ...], Field(strict=False)] = ()
     figures: Annotated[tuple[FigureSpec, ...], Field(strict=False)] = ()
     _path: Path | None = PrivateAttr(default=None)

@@ -72,8 +72,8 @@ def averaged(series: Series, interval: float) -> Series:
 def low_frequency_truth(run: RunData, vessel: Vessel) -> Series:
     """Return the true position without wave motion, through a filter that needs the future and so has no delay.
 
-    A Gaussian weight of 2.8 / omega_0 leaves exp(-2.8^2 / 2) = 2 % at the observer's wave frequency omega_0 and 98 % at a
-    tenth of it. It stands in the report only, as something to hold the observer against.
+    A Gaussian weight of 2.8 / omega_0 leaves exp(-2.8^2 / 2) = 2 % at the observer's wave frequency omega_0 and 96 % at
+    a tenth of it. It stands in the report only, as something to hold the observer against.
     """
     truth = run["truth_position"]
     if len(truth.t) < 2:

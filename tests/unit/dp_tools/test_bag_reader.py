@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.bag_of_run import BagOfRun
-from support.repository import SCENARIOS
 
-from dp_tools.bag_reader import BagRefused, read_bag
+from dp_tools.bag_reader import BagError, read_bag
 from dp_tools.in_process import ClosedLoop
 from dp_tools.report import report_bag
 from dp_tools.run_data import RunData
 from dp_tools.scenario import Scenario, load_scenario
 from marine_model import Vessel, load_vessel
 from marine_model.errors import DocumentError, UnknownNameError
+from support.bag_of_run import BagOfRun
+from support.repository import SCENARIOS
 
 SHORT = """\
 name: short
@@ -92,7 +92,8 @@ def test_words_come_back(bag: Path, run: RunData) -> None:
 def test_bag_says_what_ran(bag: Path, scenario: Scenario, vessel: Vessel) -> None:
     recorded = read_bag(bag)
     assert recorded.vessel == vessel
-    assert recorded.scenario == scenario
+    assert recorded.scenario is not None
+    assert recorded.scenario.model_dump() == scenario.model_dump()
     info = recorded.run.info
     assert (info.scenario, info.vessel, info.seed) == ("short", vessel.name, 4)
     assert info.versions == {"dp_tools": "1.2.3"}
@@ -122,7 +123,9 @@ def test_bag_without_scenario_has_a_report_too(run: RunData, vessel: Vessel, tmp
     assert '"figures": []' in figures.read_text(encoding="utf-8")
 
 
-def test_wall_clock_stamps_count_from_the_first(run: RunData, vessel: Vessel, scenario: Scenario, tmp_path: Path) -> None:
+def test_wall_clock_stamps_count_from_the_first(
+    run: RunData, vessel: Vessel, scenario: Scenario, tmp_path: Path
+) -> None:
     BagOfRun(run, vessel, start_ns=1_767_000_000_000_000_000).write(tmp_path / "wall.mcap", scenario.path)
     read = read_bag(tmp_path / "wall.mcap").run
     assert read["pose"].t == pytest.approx(run["pose"].t, abs=1e-9)
@@ -151,33 +154,33 @@ def test_other_thrusters_are_refused(run: RunData, vessel: Vessel, tmp_path: Pat
     document.write_text("extends: cybership3\nname: other\n", encoding="utf-8")
     text = (SCENARIOS.parents[1] / "marine_model/marine_model/vessels/cybership3.yaml").read_text(encoding="utf-8")
     document.write_text(text.replace("azimuth_bow", "azimuth_fore"), encoding="utf-8")
-    with pytest.raises(BagRefused, match="expected the thrusters .*azimuth_fore.*found .*azimuth_bow"):
+    with pytest.raises(BagError, match=r"expected the thrusters .*azimuth_fore.*found .*azimuth_bow"):
         read_bag(tmp_path / "b.mcap", str(document))
 
 
 def test_bad_scenario_in_a_bag_is_named(run: RunData, vessel: Vessel, tmp_path: Path) -> None:
     (tmp_path / "s.yaml").write_text(SHORT.replace("duration: 12.0", "duration: long"), encoding="utf-8")
     BagOfRun(run, vessel).write(tmp_path / "b.mcap", tmp_path / "s.yaml")
-    with pytest.raises(DocumentError, match="scenario.yaml:5: duration: Input should be a valid number"):
+    with pytest.raises(DocumentError, match=r"scenario\.yaml:5: duration: Input should be a valid number"):
         read_bag(tmp_path / "b.mcap")
 
 
 def test_what_is_no_bag(bag: Path, tmp_path: Path) -> None:
-    with pytest.raises(BagRefused, match="nowhere: no such bag"):
+    with pytest.raises(BagError, match="nowhere: no such bag"):
         read_bag(tmp_path / "nowhere")
-    with pytest.raises(BagRefused, match=r"expected one \.mcap file, found 0"):
+    with pytest.raises(BagError, match=r"expected one \.mcap file, found 0"):
         read_bag(tmp_path)
     (tmp_path / "text.mcap").write_text("not a recording", encoding="utf-8")
-    with pytest.raises(BagRefused, match=r"text\.mcap: cannot be read"):
+    with pytest.raises(BagError, match=r"text\.mcap: cannot be read"):
         read_bag(tmp_path / "text.mcap")
     whole = (bag / "bag_0.mcap").read_bytes()
     (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(BagRefused, match=r"cut\.mcap: "):
+    with pytest.raises(BagError, match=r"cut\.mcap: "):
         read_bag(tmp_path / "cut.mcap")
 
 
 def test_two_files_are_refused(bag: Path, tmp_path: Path) -> None:
     for name in ("one", "two"):
         shutil.copy(bag / "bag_0.mcap", tmp_path / f"{name}.mcap")
-    with pytest.raises(BagRefused, match=r"expected one \.mcap file, found 2"):
+    with pytest.raises(BagError, match=r"expected one \.mcap file, found 2"):
         read_bag(tmp_path)

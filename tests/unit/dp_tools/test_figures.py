@@ -10,8 +10,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.repository import SCENARIOS
-from support.synthetic_run import POWER, SAMPLE, synthetic_run
 
 from dp_tools.figure_specs import FigureSpec, TimeToDemand
 from dp_tools.figures import Figure, compute_figures, times_to_demand, write_figures
@@ -21,6 +19,8 @@ from dp_tools.scenario import Scenario, load_scenario
 from dp_tools.signals import averaged, low_frequency_truth, measured_force, position_error
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
+from support.repository import SCENARIOS
+from support.synthetic_run import POWER, SAMPLE, synthetic_run
 
 
 @pytest.fixture(scope="module")
@@ -199,12 +199,18 @@ def test_figures_json(tmp_path: Path, run: RunData, scenario: Scenario, vessel: 
     assert first["low"] < first["value"] < first["high"]
 
 
-# Limits -----------------------------------------------------------------------------------------------------------------
+# Limits --------------------------------------------------------------------------------------------------------------
 
 
 def test_limits_are_held_by_the_synthetic_run(run: RunData, vessel: Vessel) -> None:
     checks = limits_violations(run, vessel)
-    assert {check.limit for check in checks} == {"thrust", "thrust_rate", "azimuth_rate", "torque", "azimuth_motor_rate"}
+    assert {check.limit for check in checks} == {
+        "thrust",
+        "thrust_rate",
+        "azimuth_rate",
+        "torque",
+        "azimuth_motor_rate",
+    }
     assert len(checks) == 5 * len(vessel.thrusters)
     assert sum(check.violations for check in checks) == 0
 
@@ -232,15 +238,13 @@ def test_one_sample_outside_is_found(
 
 
 def test_rates_are_of_successive_samples(run: RunData, vessel: Vessel) -> None:
-    """A direction that turns 0.22 rad in one sample of 0.2 s breaks 1.05 rad/s; 0.20 rad does not, through south either."""
+    """A turn of 0.22 rad in one sample of 0.2 s breaks 1.05 rad/s; 0.20 rad does not, through south either."""
     t = np.array([0.0, 0.2, 0.4])
     azimuth = np.zeros((3, 4))
     azimuth[:, 1] = [math.pi - 0.1, -math.pi + 0.1, -math.pi + 0.32]
     thrust = np.zeros((3, 4))
     thrust[:, 2] = [0.0, 2.7, 5.5]  # 13.5 N/s allows 2.7 N
-    data = dataclasses.replace(
-        run, series={"thrust_command": Series(t, thrust), "azimuth_command": Series(t, azimuth)}
-    )
+    data = dataclasses.replace(run, series={"thrust_command": Series(t, thrust), "azimuth_command": Series(t, azimuth)})
     found = {(c.limit, c.thruster): c for c in limits_violations(data, vessel)}
     assert found["azimuth_rate", "azimuth_bow"].violations == 1
     assert found["azimuth_rate", "azimuth_bow"].first == pytest.approx(0.4)
@@ -249,7 +253,7 @@ def test_rates_are_of_successive_samples(run: RunData, vessel: Vessel) -> None:
     assert sum(c.violations for c in found.values()) == 2
 
 
-# Signals ----------------------------------------------------------------------------------------------------------------
+# Signals -------------------------------------------------------------------------------------------------------------
 
 
 def test_measured_force_is_that_of_the_configuration(run: RunData, vessel: Vessel) -> None:
@@ -257,9 +261,7 @@ def test_measured_force_is_that_of_the_configuration(run: RunData, vessel: Vesse
     speed = np.zeros((1, 4))
     speed[0, 2] = math.sqrt(1.0 / float(vessel.propellers.thrust_per_speed_squared[2]))
     t = np.zeros(1)
-    data = dataclasses.replace(
-        run, series={"shaft_speed": Series(t, speed), "azimuth": Series(t, np.zeros((1, 4)))}
-    )
+    data = dataclasses.replace(run, series={"shaft_speed": Series(t, speed), "azimuth": Series(t, np.zeros((1, 4)))})
     assert measured_force(data, vessel).values[0] == pytest.approx([1.0, 0.0, 0.11])
 
 

@@ -46,7 +46,9 @@ def test_interval_of_a_mean_moves_and_scales_with_the_signal(scale: float, shift
     low, high = batch_jackknife(mean, [x])
     moved = batch_jackknife(mean, [scale * x + shift])
     # Rounding only.
-    assert moved == pytest.approx((scale * low + shift, scale * high + shift), rel=1e-9, abs=1e-9 * (scale + abs(shift)))
+    assert moved == pytest.approx(
+        (scale * low + shift, scale * high + shift), rel=1e-9, abs=1e-9 * (scale + abs(shift))
+    )
 
 
 def autoregressive(rng: np.random.Generator, runs: int, samples: int, memory: float) -> np.ndarray:

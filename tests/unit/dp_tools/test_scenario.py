@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 import yaml
-from support.repository import SCENARIOS
 
 from dp_tools.node_settings import default_settings
 from dp_tools.scenario import free_run, load_scenario, scenario_names
 from dp_tools.workspace import WorkspaceError
 from marine_model import load_vessel
 from marine_model.errors import DocumentError, UnknownNameError
+from support.repository import SCENARIOS
 
 MINIMAL = """\
 name: trial
@@ -97,9 +97,24 @@ def test_start_parameters_hold_the_seed(tmp_path: Path) -> None:
         ("duration: 20.0", "duration: soon", "duration", "duration: Input should be a valid number, found 'soon'"),
         ("duration: 20.0", "duration: -1.0", "duration", "duration: Input should be greater than 0, found -1.0"),
         ("duration: 20.0\n", "", "name:", "duration: Field required"),
-        ("duration: 20.0", "duration: 20.0\ncolour: red", "colour", "colour: Extra inputs are not permitted, found 'red'"),
-        ("duration: 20.0", "duration: 20.1", "duration", "expected a whole multiple of the sample time of 0.2 s, found 20.1"),
-        ("at: 10.0", "at: 10.1", "at: 10.1", "events.1.at: expected a whole multiple of the sample time of 0.2 s, found 10.1"),
+        (
+            "duration: 20.0",
+            "duration: 20.0\ncolour: red",
+            "colour",
+            "colour: Extra inputs are not permitted, found 'red'",
+        ),
+        (
+            "duration: 20.0",
+            "duration: 20.1",
+            "duration",
+            "expected a whole multiple of the sample time of 0.2 s, found 20.1",
+        ),
+        (
+            "at: 10.0",
+            "at: 10.1",
+            "at: 10.1",
+            "events.1.at: expected a whole multiple of the sample time of 0.2 s, found 10.1",
+        ),
         ("at: 10.0", "at: 40.0", "at: 40.0", "events.1.at: expected a time within the duration of 20.0 s, found 40.0"),
         ("at: 0.0", "at: 12.0", "at: 10.0", "events.1.at: expected events in order of time, found 10.0 after 12.0"),
         (
@@ -147,12 +162,18 @@ def test_start_parameters_hold_the_seed(tmp_path: Path) -> None:
             "events.1.parameters.thrust_allocator.azimuth_mode: azimuth_mode: Input should be 'fixed' or 'rotating', "
             "found 'sideways'",
         ),
-        ("dp_controller: {mode: setpoint}", "dp_controller: {mode: 3}", "dp_controller", "parameters.dp_controller.mode"),
+        (
+            "dp_controller: {mode: setpoint}",
+            "dp_controller: {mode: 3}",
+            "dp_controller",
+            "parameters.dp_controller.mode",
+        ),
         (
             "dp_controller: {mode: setpoint}",
             "vessel_sim: {waves.amplitude: -0.1}",
             "vessel_sim",
-            "parameters.vessel_sim.waves.amplitude: waves.amplitude: Input should be greater than or equal to 0, found -0.1",
+            "parameters.vessel_sim.waves.amplitude: waves.amplitude: Input should be greater than or equal to 0, "
+            "found -0.1",
         ),
         (
             "dp_controller: {mode: setpoint}",
@@ -172,10 +193,25 @@ def test_start_parameters_hold_the_seed(tmp_path: Path) -> None:
             "initial.north",
             "events.1.parameters.vessel_sim.initial.north: cannot change while the node runs; set it under parameters",
         ),
-        ("late: [12.0, 20.0]", "late: [12.0, 20.2]", "late: [", "windows.late: expected 0 <= start < end <= 20.0, found [12.0, 20.2]"),
+        (
+            "late: [12.0, 20.0]",
+            "late: [12.0, 20.2]",
+            "late: [",
+            "windows.late: expected 0 <= start < end <= 20.0, found [12.0, 20.2]",
+        ),
         ("late: [12.0, 20.0]", "late: [12.0, 12.0]", "late: [", "windows.late: expected 0 <= start < end <= 20.0"),
-        ("window: late", "window: early", "window: early", "figures.0.window: expected a name out of windows (late), found 'early'"),
-        ("kind: mean_power", "kind: mean_powr", "- name: power", "figures.0: Input tag 'mean_powr' found using 'kind' does not match"),
+        (
+            "window: late",
+            "window: early",
+            "window: early",
+            "figures.0.window: expected a name out of windows (late), found 'early'",
+        ),
+        (
+            "kind: mean_power",
+            "kind: mean_powr",
+            "- name: power",
+            "figures.0: Input tag 'mean_powr' found using 'kind' does not match",
+        ),
         ("    window: late\n", "", "- name: power", "figures.0.window: Field required"),
         (
             "figures:\n",
@@ -223,7 +259,7 @@ def test_given_vessel_is_used_instead_of_the_one_named(tmp_path: Path) -> None:
 
 
 def test_missing_file(tmp_path: Path) -> None:
-    with pytest.raises(UnknownNameError, match="scenario: no such file: .*nowhere.yaml"):
+    with pytest.raises(UnknownNameError, match=r"scenario: no such file: .*nowhere\.yaml"):
         load_scenario(tmp_path / "nowhere.yaml")
 
 

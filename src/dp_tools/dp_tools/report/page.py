@@ -95,9 +95,7 @@ def write_report(run: RunData, scenario: Scenario, vessel: Vessel, folder: Path)
     return path
 
 
-def render(
-    run: RunData, scenario: Scenario, vessel: Vessel, figures: tuple[Figure, ...]
-) -> str:
+def render(run: RunData, scenario: Scenario, vessel: Vessel, figures: tuple[Figure, ...]) -> str:
     """Return the page as HTML text; it refers to nothing outside itself."""
     scene = Scene(run, scenario, vessel)
     limits = limits_violations(run, vessel) if "thrust_command" in run else ()

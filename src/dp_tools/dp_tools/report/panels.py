@@ -82,14 +82,10 @@ class Panels:
         for event in shown:
             self._label(event)
 
-    def draw(
-        self, panel: int, t: FloatArray, values: FloatArray, label: str, color: str, **line: Any
-    ) -> None:
+    def draw(self, panel: int, t: FloatArray, values: FloatArray, label: str, color: str, **line: Any) -> None:
         """Draw one signal; a label that came before is not repeated in the legend."""
         inside = (t >= self.span[0] - 1e-6) & (t <= self.span[1] + 1e-6)
-        (drawn,) = self.axes[panel].plot(
-            *thin(t[inside], values[inside]), color=color, label=label, **line
-        )
+        (drawn,) = self.axes[panel].plot(*thin(t[inside], values[inside]), color=color, label=label, **line)
         self._handles[panel].setdefault(label, drawn)
 
     def level(self, panel: int, value: float, label: str) -> None:
@@ -132,7 +128,13 @@ class Panels:
     def headline(self, text: str) -> None:
         """Put a title at the top, for a picture that stands alone."""
         self.figure.text(
-            0.01, 1.0 - 0.06 / self.figure.get_figheight(), text, va="top", fontsize=11.5, fontweight="bold", color=style.INK
+            0.01,
+            1.0 - 0.06 / self.figure.get_figheight(),
+            text,
+            va="top",
+            fontsize=11.5,
+            fontweight="bold",
+            color=style.INK,
         )
 
     def legends(self) -> None:

@@ -78,9 +78,7 @@ class Scene:
         terms = ("proportional", "integral", "derivative")
         return any(name in self.run and bool(self.run[name].values.any()) for name in terms)
 
-    def panels(
-        self, labels: tuple[str, ...], span: Span, height: float = 1.5, own_legends: bool = False
-    ) -> Panels:
+    def panels(self, labels: tuple[str, ...], span: Span, height: float = 1.5, own_legends: bool = False) -> Panels:
         """Return empty panels for this run."""
         return Panels(labels, self.scenario, span, height, self.measured_windows, own_legends)
 
@@ -136,8 +134,8 @@ def position(scene: Scene, span: Span) -> Picture:
         panels.at_least(i, height)
     return Picture(
         "Position and heading",
-        "The observer's low-frequency estimate should follow the true motion and leave the wave motion out. The true motion is shown "
-        "through a filter without delay.",
+        "The observer's low-frequency estimate should follow the true motion and leave the wave motion out. "
+        "The true motion is shown through a filter without delay.",
         panels.image(),
         "North, east and heading over time: measured, true, estimated and reference",
     )
@@ -166,8 +164,9 @@ def power(scene: Scene, span: Span) -> Picture:
         )
     return Picture(
         "Power",
-        "Developed power 2 π n Q from measured shaft speed n and motor torque Q; it is negative while a propeller is braked. "
-        "By thruster: averaged over samples of the control system, so that sensor noise does not hide one behind another.",
+        "Developed power 2 π n Q from measured shaft speed n and motor torque Q; it is negative while a propeller is "
+        "braked. By thruster: averaged over samples of the control system, so that sensor noise does not hide one "
+        "behind another.",
         panels.image(),
         "Developed power over time, total and by thruster",
     )
@@ -208,9 +207,7 @@ def directions(scene: Scene, span: Span) -> Picture:
     """Directions of the azimuth thrusters, Figures 4.8 and C.2."""
     run = scene.run
     turning = [j for j, can in enumerate(scene.vessel.can_rotate) if can]
-    panels = scene.panels(
-        tuple(f"{run.thrusters[j].replace('_', ' ')}\n(deg)" for j in turning), span, height=1.35
-    )
+    panels = scene.panels(tuple(f"{run.thrusters[j].replace('_', ' ')}\n(deg)" for j in turning), span, height=1.35)
     command = run["azimuth_command"]
     for row, j in enumerate(turning):
         commanded = command.values[:, j]
@@ -242,9 +239,7 @@ def directions(scene: Scene, span: Span) -> Picture:
 def thrusts(scene: Scene, span: Span) -> Picture:
     """Thrusts, Figures 4.9 and C.3."""
     run, vessel = scene.run, scene.vessel
-    panels = scene.panels(
-        tuple(f"{name.replace('_', ' ')}\n(N)" for name in run.thrusters), span, height=1.3
-    )
+    panels = scene.panels(tuple(f"{name.replace('_', ' ')}\n(N)" for name in run.thrusters), span, height=1.3)
     for j in range(len(run.thrusters)):
         if "shaft_speed" in run:
             measured = measured_thrust(run, vessel)
@@ -267,7 +262,8 @@ def thrusts(scene: Scene, span: Span) -> Picture:
                 panels.level(j, limit, "limit")
     return Picture(
         "Thruster forces",
-        "Thrust along the direction of each thruster; measured from shaft speed. Limits are drawn where a thruster came near them.",
+        "Thrust along the direction of each thruster; measured from shaft speed. Limits are drawn where a thruster "
+        "came near them.",
         panels.image(),
         "Thrust of every thruster over time: commanded and measured",
     )
@@ -303,9 +299,7 @@ def track(scene: Scene, span: Span) -> Picture:
 def observer(scene: Scene, span: Span) -> Picture:
     """What the observer's wave filter and bias model hold."""
     run = scene.run
-    panels = scene.panels(
-        ("wave motion\nnorth (m)", "bias north, east\n(N)", "bias yaw\n(N m)"), span, height=1.4
-    )
+    panels = scene.panels(("wave motion\nnorth (m)", "bias north, east\n(N)", "bias yaw\n(N m)"), span, height=1.4)
     wave, bias = run["wave_position"], run["bias"]
     panels.draw(0, wave.t, wave.values[:, 0], "wave-frequency part", style.MEASURED, linewidth=0.7)
     panels.draw(1, bias.t, bias.values[:, 0], "bias north", style.COMMANDED)
@@ -313,7 +307,8 @@ def observer(scene: Scene, span: Span) -> Picture:
     panels.draw(2, bias.t, bias.values[:, 2], "bias yaw", style.LIMIT)
     return Picture(
         "Observer: wave filter and bias",
-        "What the observer takes for wave motion, and the slowly varying environmental force it infers (in the map frame).",
+        "What the observer takes for wave motion, and the slowly varying environmental force it infers (in the map "
+        "frame).",
         panels.image(),
         "Wave-frequency estimate and bias estimate over time",
     )
@@ -338,5 +333,3 @@ def control_terms(scene: Scene, span: Span) -> Picture:
         panels.image(),
         "Proportional, integral and derivative terms in surge, sway and yaw over time",
     )
-
-

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from marine_model.guards import FloatArray
@@ -25,7 +27,7 @@ def thin(t: FloatArray, values: FloatArray, points: int = POINTS) -> tuple[Float
     stretches = points // 2
     edges = np.linspace(0, count, stretches + 1).astype(int)
     keep: list[int] = [0, count - 1]
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in itertools.pairwise(edges):
         part = values[first:last]
         known = np.flatnonzero(np.isfinite(part))
         if len(known) < len(part):
