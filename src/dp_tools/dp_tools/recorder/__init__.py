@@ -1,0 +1,1 @@
+"""Recording of a whole run to one MCAP bag that every ROS 2 tool opens."""
