@@ -17,7 +17,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            "dp = dp_tools.cli:app",
+            "dp = dp_tools.cli:main",
             "composed = dp_tools.composed:main",
             "recorder = dp_tools.recorder.node:main",
         ],

@@ -227,6 +227,7 @@ class ControllerNode(DpNode[ControllerSettings]):
             message.integral = output.integral
             message.derivative = output.derivative
             message.joystick = output.joystick
+            message.transfer = output.transfer
         self._statuses.publish(message)
 
 

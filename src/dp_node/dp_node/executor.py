@@ -29,6 +29,7 @@ class RingExecutor(SingleThreadedExecutor):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
+        self._tasks: list[Any]  # rclpy's
         self._stale = True
         self._wait_set: Any = None
         self._handles: list[tuple[Callable[[Any], Any], Any]] = []
