@@ -13,7 +13,7 @@ from nav_msgs.msg import Odometry
 from dp_node import AnswerGate, DpNode, Health, Level, StampSequence, run_node, to_nanoseconds
 from dp_observer.estimate import ObserverEstimate, ObserverInputs, ObserverStatus
 from dp_observer.lookahead import Lookahead
-from dp_observer.messages import is_fix, require_frame, to_odometry, to_position, to_state, to_tau
+from dp_observer.node_messages import is_fix, require_frame, to_odometry, to_position, to_state, to_tau
 from dp_observer.observer import Observer
 from dp_observer.settings import ObserverSettings
 from marine_model.errors import InputError
