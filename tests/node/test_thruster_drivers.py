@@ -42,7 +42,9 @@ class Bench:
         self.commands = self.peer.create_publisher(ThrusterCommand, "thruster_command", RING)
         self.feedback = self.peer.create_publisher(ThrusterFeedback, "thruster_feedback", RING)
         self.peer.create_subscription(ActuatorSetpoint, "actuator_setpoint", self.setpoints.append, RING)
-        self.peer.create_subscription(DiagnosticArray, "/diagnostics", lambda m: self.diagnostics.extend(m.status), RING)
+        self.peer.create_subscription(
+            DiagnosticArray, "/diagnostics", lambda m: self.diagnostics.extend(m.status), RING
+        )
         self.executor.add_node(self.node)
         self.executor.add_node(self.peer)
         self.node.start()
@@ -64,7 +66,11 @@ class Bench:
         wait_until(condition, spin=lambda s: self.executor.spin_once(timeout_sec=s))
 
     def command(
-        self, stamp: int, thrust: Sequence[float] = THRUST, azimuth: Sequence[float] = AZIMUTH, names: Sequence[str] = NAMES
+        self,
+        stamp: int,
+        thrust: Sequence[float] = THRUST,
+        azimuth: Sequence[float] = AZIMUTH,
+        names: Sequence[str] = NAMES,
     ) -> None:
         message = ThrusterCommand(name=list(names), thrust=list(thrust), azimuth=list(azimuth))
         message.header.stamp = from_nanoseconds(stamp)
@@ -86,7 +92,7 @@ class Bench:
         return self.setpoints[-1]
 
     def refused(self, send: Callable[[], None]) -> str:
-        """Send one message that must be refused; return the reason. No setpoint may come of it, and diagnostics count it."""
+        """Send one message that must be refused and counted; return the reason. No setpoint may come of it."""
         before = len(self.setpoints)
         count = self.node._refused
         send()
@@ -101,6 +107,12 @@ class Bench:
         self.until(lambda: self.diagnostics)
         status = self.diagnostics[-1]
         return int.from_bytes(status.level, "little"), status.message, {v.key: v.value for v in status.values}
+
+
+def core_inputs(age: float, shaft_speed: Sequence[float] = REST, turned: float = 0.0) -> DriverInputs:
+    """What the core gets of the messages that a Bench sends; ``turned``: the command's azimuth over the measured."""
+    measured = np.array(AZIMUTH)
+    return DriverInputs(np.array(THRUST), measured + turned, age, np.array(shaft_speed), np.zeros(4), measured)
 
 
 @pytest.fixture
@@ -128,7 +140,7 @@ def test_answers_are_the_cores_with_stamps_and_names(bench: Bench) -> None:
         stamp = START + k * STEP
         answer = bench.answer(partial(bench.measure, stamp, speed))
         expected = core.step(
-            DriverInputs(np.array(THRUST), np.array(AZIMUTH), k * 0.02, np.array(speed), np.zeros(4), np.array(AZIMUTH)),
+            core_inputs(k * 0.02, speed),
             0.02,
         )
         assert to_nanoseconds(answer.header.stamp) == stamp
@@ -150,7 +162,8 @@ def test_names_in_another_order_mean_the_same(bench: Bench) -> None:
     speed = [1.0, 2.0, -3.0, 4.0]
     answer = bench.answer(lambda: bench.measure(START, [speed[i] for i in order], names))
     expected = Drivers(VESSEL).step(
-        DriverInputs(np.array(THRUST), np.array(AZIMUTH) + 0.1, 0.0, np.array(speed), np.zeros(4), np.array(AZIMUTH)), 0.02
+        core_inputs(0.0, speed, 0.1),
+        0.02,
     )
     assert list(answer.torque) == expected.torque.tolist()
     assert list(answer.azimuth_rate) == expected.azimuth_rate.tolist()
@@ -200,7 +213,7 @@ def test_a_bad_command_is_refused_and_the_last_good_one_kept(
     assert reason in bench.refused(lambda: bench.command(START + STEP, thrust, azimuth, names))
     answer = bench.answer(lambda: bench.measure(START + STEP))
     for age in (0.0, 0.02):
-        expected = core.step(DriverInputs(np.array(THRUST), np.array(AZIMUTH), age, np.zeros(4), np.zeros(4), np.array(AZIMUTH)), 0.02)
+        expected = core.step(core_inputs(age), 0.02)
     assert to_nanoseconds(answer.command_stamp) == START
     assert list(answer.torque) == pytest.approx(expected.torque.tolist(), rel=1e-12)  # dt's rounding
 
@@ -217,13 +230,12 @@ def test_a_command_beyond_the_limits_is_clipped_and_counted(bench: Bench) -> Non
 def test_stamps_that_jump_are_refused(bench: Bench) -> None:
     bench.answer(lambda: bench.command(START))
     bench.answer(lambda: bench.measure(START))
-    assert "thruster_feedback: expected a time stamp after 5.000 s, found 4.980 s" in bench.refused(lambda: bench.measure(START - STEP))
-    assert "thruster_command: expected a time stamp after 5.000 s, found 4.000 s" in bench.refused(
-        lambda: bench.command(START - 1_000_000_000)
-    )
-    assert "expected a time stamp at most 1.0 s after the last thruster_feedback, at 5.000 s, found 9.000 s" in bench.refused(
-        lambda: bench.command(9_000_000_000)
-    )
+    reason = bench.refused(lambda: bench.measure(START - STEP))
+    assert reason == "thruster_feedback: expected a time stamp after 5.000 s, found 4.980 s"
+    reason = bench.refused(lambda: bench.command(START - 1_000_000_000))
+    assert reason == "thruster_command: expected a time stamp after 5.000 s, found 4.000 s"
+    reason = bench.refused(lambda: bench.command(9_000_000_000))
+    assert "at most 1.0 s after the last thruster_feedback, at 5.000 s, found 9.000 s" in reason
     assert to_nanoseconds(bench.answer(lambda: bench.command(START + STEP)).command_stamp) == START + STEP
     assert to_nanoseconds(bench.answer(lambda: bench.measure(START + STEP)).header.stamp) == START + STEP
 

@@ -96,7 +96,9 @@ class Drivers:
             (thruster.thrust.min, thruster.thrust.max, thruster.thrust.rate) for thruster in vessel.thrusters
         ]
         self._azimuth_controllers: list[AzimuthController | None] = [
-            AzimuthController(vessel.drivers.azimuth, thruster.azimuth_drive.rate_max) if isinstance(thruster, AzimuthThruster) else None
+            AzimuthController(vessel.drivers.azimuth, thruster.azimuth_drive.rate_max)
+            if isinstance(thruster, AzimuthThruster)
+            else None
             for thruster in vessel.thrusters
         ]
         self._controllers: list[ThrusterController] = []

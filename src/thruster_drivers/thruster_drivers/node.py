@@ -17,7 +17,15 @@ from marine_model.frames import BODY_FRAME
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 from thruster_drivers.command import CommandReader, ThrusterCommand
-from thruster_drivers.drivers import COMMAND_STALE, NO_COMMAND, NOMINAL, SENSOR_LOST, DriverInputs, DriverOutput, Drivers
+from thruster_drivers.drivers import (
+    COMMAND_STALE,
+    NO_COMMAND,
+    NOMINAL,
+    SENSOR_LOST,
+    DriverInputs,
+    DriverOutput,
+    Drivers,
+)
 from thruster_drivers.settings import DriverSettings
 
 _MEANING = {
@@ -29,7 +37,7 @@ _MEANING = {
 
 
 class DriversNode(DpNode[DriverSettings]):
-    """Answers every thruster_feedback with an actuator_setpoint, and every thruster_command with a re-issue of the last one."""
+    """Answers every thruster_feedback with an actuator_setpoint, every thruster_command with the last one again."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("thruster_drivers", **kwargs)

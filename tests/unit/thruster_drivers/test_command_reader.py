@@ -47,12 +47,19 @@ def test_a_limit_passed_by_rounding_is_no_news() -> None:
         (NAMES, THRUST, [0.0, 0.0, math.inf, 0.0], "azimuth: expected finite numbers"),
         (NAMES, THRUST[:3], AZIMUTH, "thrust: expected shape (4,), found (3,)"),
         (NAMES, THRUST, [*AZIMUTH, 0.0], "azimuth: expected shape (4,), found (5,)"),
-        (NAMES[:3], THRUST, AZIMUTH, "name: expected ['tunnel_bow', 'azimuth_bow', 'azimuth_port', 'azimuth_starboard']"),
+        (
+            NAMES[:3],
+            THRUST,
+            AZIMUTH,
+            "name: expected ['tunnel_bow', 'azimuth_bow', 'azimuth_port', 'azimuth_starboard']",
+        ),
         ([*NAMES[:3], "rudder"], THRUST, AZIMUTH, "'azimuth_port', 'rudder']"),
         ([*NAMES[:3], NAMES[0]], THRUST, AZIMUTH, "'azimuth_port', 'tunnel_bow']"),
         ([], THRUST, AZIMUTH, "found []"),
     ],
 )
-def test_bad_commands_are_refused_with_what_was_found(names: list[str], thrust: list[float], azimuth: list[float], message: str) -> None:
+def test_bad_commands_are_refused_with_what_was_found(
+    names: list[str], thrust: list[float], azimuth: list[float], message: str
+) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         CommandReader(VESSEL).read(names, thrust, azimuth)

@@ -149,7 +149,9 @@ class BagWriter:
             temporary.write_text(to_yaml({"rosbag2_bagfile_information": information}), encoding="utf-8")
             temporary.replace(self.folder / _METADATA)
         except OSError as error:
-            raise RecordingStoppedError(f"{self.folder}: the bag could not be closed: {error.strerror or error}") from error
+            raise RecordingStoppedError(
+                f"{self.folder}: the bag could not be closed: {error.strerror or error}"
+            ) from error
         if self._failed is not None:
             raise self._failed
 

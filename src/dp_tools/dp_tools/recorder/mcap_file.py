@@ -133,19 +133,19 @@ class McapFile:
 
     def add_schema(self, name: str, encoding: str, data: bytes) -> int:
         """Add a schema and return its id."""
-        schema = Schema(id=len(self._schemas) + 1, name=name, encoding=encoding, data=data)
+        schema_id = len(self._schemas) + 1
+        schema = Schema(id=schema_id, name=name, encoding=encoding, data=data)
         self._schemas.append(schema)
         self._chunk.add(_encode([schema]))
-        return schema.id
+        return schema_id
 
     def add_channel(self, topic: str, schema_id: int, encoding: str, metadata: dict[str, str]) -> int:
         """Add a channel and return its id."""
-        channel = Channel(
-            id=len(self._channels) + 1, topic=topic, message_encoding=encoding, metadata=metadata, schema_id=schema_id
-        )
+        channel_id = len(self._channels) + 1
+        channel = Channel(id=channel_id, topic=topic, message_encoding=encoding, metadata=metadata, schema_id=schema_id)
         self._channels.append(channel)
         self._chunk.add(_encode([channel]))
-        return channel.id
+        return channel_id
 
     def add_message(self, channel_id: int, sequence: int, log_time: int, publish_time: int, data: bytes) -> None:
         """Add a message; times in ns. It is in the file once its chunk is full or ended."""
@@ -174,7 +174,7 @@ class McapFile:
         """Write the open chunk, if it holds a message. If that fails, its messages are lost."""
         if self._pending == 0:
             return
-        chunk, count = self._chunk, self._pending
+        chunk = self._chunk
         self._chunk, self._pending = _OpenChunk(), 0
         raw = b"".join(chunk.parts)
         record = Chunk(

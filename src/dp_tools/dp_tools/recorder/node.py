@@ -51,7 +51,7 @@ class Period:
         return True
 
 
-class RecorderNode(Node):  # type: ignore[misc]  # rclpy has no types
+class RecorderNode(Node):
     """Parameters, diagnostics and attachments around a Recorder. Its ``ears`` hold the subscriptions."""
 
     def __init__(self, **kwargs: Any) -> None:

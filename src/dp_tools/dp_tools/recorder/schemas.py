@@ -14,7 +14,8 @@ from ament_index_python.packages import PackageNotFoundError, get_package_share_
 from dp_tools.recorder.errors import RecordingRefusedError
 
 _BUILT_IN = frozenset(
-    "bool byte char float32 float64 int8 uint8 int16 uint16 int32 uint32 int64 uint64 string wstring".split()
+    ["bool", "byte", "char", "string", "wstring", "float32", "float64"]
+    + [f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)]
 )
 # Type, then array brackets or a bound, then the name; comments and constants do not matter here.
 _FIELD = re.compile(r"^\s*(?P<type>[A-Za-z][A-Za-z0-9_/]*)(<=\d+)?(\[[^\]]*\])?\s+[A-Za-z]")

@@ -1,0 +1,48 @@
+"""Gaps in sequence numbers."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dp_tools.recorder.sequence import SequenceCounter
+
+
+def lost(numbers: list[int]) -> int:
+    counter = SequenceCounter()
+    for number in numbers:
+        counter.note(number)
+    return counter.lost
+
+
+def test_gaps_by_hand() -> None:
+    assert lost([]) == 0
+    assert lost([7, 8, 9]) == 0  # joined late
+    assert lost([1, 2, 5, 6, 9]) == 4
+    assert lost([5, 6, 1, 2]) == 0  # the publisher was started anew
+    assert lost([5, 6, 1, 3]) == 1
+
+
+@given(st.sets(st.integers(1, 200), max_size=150))
+def test_what_is_missing_between_first_and_last_is_lost(dropped: set[int]) -> None:
+    numbers = [n for n in range(202) if n not in dropped]
+    assert lost(numbers) == len(dropped)
+
+
+def test_several_publishers_are_not_counted() -> None:
+    counter = SequenceCounter()
+    counter.note(1)
+    counter.note(3)
+    counter.several_publishers()
+    counter.note(1)
+    counter.note(9)
+    assert counter.lost == 1
+    assert not counter.countable
+
+
+def test_a_middleware_without_numbers_is_not_counted() -> None:
+    counter = SequenceCounter()
+    counter.note(None)
+    counter.note(5)
+    assert counter.lost == 0
+    assert not counter.countable
