@@ -172,7 +172,15 @@ class BagOfRun:
         )
 
     def _controller_status(self, i: int, stamp: int) -> Any:
-        names = ("reference_position", "reference_velocity", "proportional", "integral", "derivative", "joystick")
+        names = (
+            "reference_position",
+            "reference_velocity",
+            "proportional",
+            "integral",
+            "derivative",
+            "joystick",
+            "transfer",
+        )
         return self._make(
             KINDS["controller_status"],
             header=self._header(stamp),

@@ -29,7 +29,15 @@ _NANOSECONDS = 1_000_000_000
 _LONGEST_RUN_NS = 10_000_000 * _NANOSECONDS
 
 # Series that controller_status carries; it is published between samples too, as the answer to an operator.
-_OF_STATUS = ("reference_position", "reference_velocity", "proportional", "integral", "derivative", "joystick")
+_OF_STATUS = (
+    "reference_position",
+    "reference_velocity",
+    "proportional",
+    "integral",
+    "derivative",
+    "joystick",
+    "transfer",
+)
 
 Row = tuple[float, ...]
 

@@ -227,6 +227,7 @@ class ClosedLoop:
         rows["integral"][i] = demand.integral
         rows["derivative"][i] = demand.derivative
         rows["joystick"][i] = demand.joystick
+        rows["transfer"][i] = demand.transfer
         rows["tau_desired"][i] = demand.tau_desired
         rows["tau_achieved"][i] = answer.tau_achieved
         rows["slack"][i] = answer.slack

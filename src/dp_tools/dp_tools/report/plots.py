@@ -333,7 +333,8 @@ def control_terms(scene: Scene, span: Span) -> Picture:
         panels.at_least(i, 0.5)
     return Picture(
         "Controller: proportional, integral and derivative terms",
-        "Their sum is the desired generalized force; the integral term settles at what balances the environment.",
+        "With joystick and the fading part of a switch of modes they add up to the desired generalized force, before "
+        "limits. The integral term settles at what balances the environment.",
         panels.image(),
         "Proportional, integral and derivative terms in surge, sway and yaw over time",
     )
