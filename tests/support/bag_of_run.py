@@ -82,6 +82,12 @@ class BagOfRun:
         for k, t in enumerate(self._run["power"].t):
             stamp = round(float(t) * 1e9)
             if stamp in samples:
+                # An operator was answered just before, with the output of the sample before.
+                yield (
+                    "controller_status",
+                    stamp + (1 if stamp == 0 else 0),
+                    self._controller_status(max(samples[stamp] - 1, 0), stamp + (1 if stamp == 0 else 0)),
+                )
                 for topic in AT_SAMPLE:
                     yield topic, stamp, getattr(self, f"_{topic}")(samples[stamp], stamp)
                 # The drivers acknowledge the command with their last setpoint, stamped as the command.
@@ -166,7 +172,15 @@ class BagOfRun:
         )
 
     def _controller_status(self, i: int, stamp: int) -> Any:
-        names = ("reference_position", "reference_velocity", "proportional", "integral", "derivative", "joystick")
+        names = (
+            "reference_position",
+            "reference_velocity",
+            "proportional",
+            "integral",
+            "derivative",
+            "joystick",
+            "transfer",
+        )
         return self._make(
             KINDS["controller_status"],
             header=self._header(stamp),

@@ -50,6 +50,7 @@ def synthetic_run(vessel: Vessel, duration: float = 380.0, seed: int = 0) -> Run
         "integral": np.tile([2.0, 0.0, 0.0], (len(t), 1)),
         "derivative": 0.2 * slow,
         "joystick": np.zeros((len(t), 3)),
+        "transfer": np.zeros((len(t), 3)),
         "tau_desired": tau,
         "tau_achieved": tau * (1.0 - 0.3 * (np.abs(t - SWITCH - 2.0) < 2.0)[:, None]),
         "slack": np.zeros((len(t), 3)),

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
@@ -19,6 +19,7 @@ from dp_tools.versions import VERSIONS_RECORD
 from marine_model import Vessel, load_vessel
 from marine_model.errors import DpError, UnknownNameError
 from marine_model.frames import quaternion_to_heading
+from marine_model.guards import FloatArray
 
 VESSEL_ATTACHMENT = "vessel.yaml"
 SCENARIO_ATTACHMENT = "scenario.yaml"
@@ -26,6 +27,17 @@ SCENARIO_ATTACHMENT = "scenario.yaml"
 _NANOSECONDS = 1_000_000_000
 # Simulated time begins at 0. A stamp beyond this is wall-clock time, which is shown from the start of the recording.
 _LONGEST_RUN_NS = 10_000_000 * _NANOSECONDS
+
+# Series that controller_status carries; it is published between samples too, as the answer to an operator.
+_OF_STATUS = (
+    "reference_position",
+    "reference_velocity",
+    "proportional",
+    "integral",
+    "derivative",
+    "joystick",
+    "transfer",
+)
 
 Row = tuple[float, ...]
 
@@ -53,33 +65,50 @@ class RecordedRun:
     scenario: Scenario | None
 
 
-@dataclass
+def _seconds(stamps: list[int], zero: int) -> FloatArray:
+    return np.array([(stamp - zero) * 1e-9 for stamp in stamps], dtype=np.float64)
+
+
 class _Column:
-    """Rows of one series as they come; of several with one stamp the last counts, one that jumps back is left out."""
+    """Rows of one series by stamp (ns); of several with one stamp the last counts.
 
-    stamps: list[int] = field(default_factory=list)
-    rows: list[Row] = field(default_factory=list)
+    An operator's input is answered with a status between two samples, and a command with a setpoint; what the sample
+    itself is answered with comes later, or says the same.
+    """
 
-    def add(self, stamp: int, row: Row) -> None:
-        if self.stamps and stamp <= self.stamps[-1]:
-            if stamp == self.stamps[-1]:
-                self.rows[-1] = row
-            return
-        self.stamps.append(stamp)
-        self.rows.append(row)
+    def __init__(self) -> None:
+        self.rows: dict[int, Row] = {}
+
+    def series(self, zero: int, width: int) -> Series:
+        """Return the series, with time from ``zero`` (ns)."""
+        stamps = sorted(self.rows)
+        rows = [self.rows[stamp] for stamp in stamps]
+        return Series(_seconds(stamps, zero), np.array(rows, dtype=np.float64).reshape(-1, width))
+
+    def keep(self, stamps: Collection[int]) -> None:
+        """Drop rows with other stamps."""
+        self.rows = {stamp: row for stamp, row in self.rows.items() if stamp in stamps}
 
 
-@dataclass
 class _Words:
-    """Changes of one word."""
+    """One word by stamp (ns); of several with one stamp the first counts."""
 
-    stamps: list[int] = field(default_factory=list)
-    words: list[str] = field(default_factory=list)
+    def __init__(self) -> None:
+        self.words: dict[int, str] = {}
 
-    def add(self, stamp: int, word: str) -> None:
-        if not self.words or self.words[-1] != word:
-            self.stamps.append(stamp)
-            self.words.append(word)
+    def labels(self, zero: int) -> Labels:
+        """Return its changes, with time from ``zero`` (ns)."""
+        stamps: list[int] = []
+        words: list[str] = []
+        for stamp in sorted(self.words):
+            if not words or words[-1] != self.words[stamp]:
+                stamps.append(stamp)
+                words.append(self.words[stamp])
+        return Labels(_seconds(stamps, zero), tuple(words))
+
+    def keep(self, stamps: Collection[int]) -> None:
+        """Drop words with other stamps."""
+        self.words = {stamp: word for stamp, word in self.words.items() if stamp in stamps}
 
 
 class _Collector:
@@ -107,11 +136,23 @@ class _Collector:
         stamp = message.header.stamp
         self.topics[topic](stamp.sec * _NANOSECONDS + stamp.nanosec, message)
 
+    def drop_answers_to_operators(self) -> None:
+        """Keep those controller_status that came with a demand."""
+        if "tau_desired" not in self.columns:
+            return
+        stamps = self.columns["tau_desired"].rows
+        for name in _OF_STATUS:
+            if name in self.columns:
+                self.columns[name].keep(stamps)
+        for name in ("controller_mode", "controller_status"):
+            if name in self.words:
+                self.words[name].keep(stamps)
+
     def _row(self, series: str, stamp: int, row: Any) -> None:
-        self.columns.setdefault(series, _Column()).add(stamp, tuple(row))
+        self.columns.setdefault(series, _Column()).rows[stamp] = tuple(row)
 
     def _word(self, name: str, stamp: int, word: str) -> None:
-        self.words.setdefault(name, _Words()).add(stamp, word)
+        self.words.setdefault(name, _Words()).words.setdefault(stamp, word)
 
     def _by_thruster(self, series: str, stamp: int, names: list[str], values: Any) -> None:
         if list(names) != self._names:
@@ -136,7 +177,7 @@ class _Collector:
         self._word("observer_status", stamp, m.status)
 
     def _controller_status(self, stamp: int, m: Any) -> None:
-        for name in ("reference_position", "reference_velocity", "proportional", "integral", "derivative", "joystick"):
+        for name in _OF_STATUS:
             self._row(name, stamp, getattr(m, name))
         self._word("controller_mode", stamp, m.mode)
         self._word("controller_status", stamp, m.status)
@@ -221,15 +262,15 @@ def _read(stream: IO[bytes], file: Path, vessel_name: str) -> RecordedRun:
     vessel, scenario = _documents(attachments, vessel_name, file)
     collector = _Collector(vessel)
     first, last = _collect(reader, collector, file)
-    started = min((c.stamps[0] for c in collector.columns.values()), default=0)
+    collector.drop_answers_to_operators()
+    started = min((min(c.rows) for c in collector.columns.values() if c.rows), default=0)
     zero = started if started > _LONGEST_RUN_NS else 0
     series = {
-        name: Series((np.array(c.stamps) - zero) * 1e-9, _matrix(c.rows, WIDTHS[name] or len(vessel.thrusters)))
-        for name, c in collector.columns.items()
+        name: column.series(zero, WIDTHS[name] or len(vessel.thrusters)) for name, column in collector.columns.items()
     }
-    labels = {name: Labels((np.array(w.stamps) - zero) * 1e-9, tuple(w.words)) for name, w in collector.words.items()}
+    labels = {name: words.labels(zero) for name, words in collector.words.items()}
     records = {record.name: record.metadata for record in reader.iter_metadata()}
-    end = max((float(entry.t[-1]) for entry in series.values()), default=0.0)
+    end = max((float(entry.t[-1]) for entry in series.values() if len(entry.t)), default=0.0)
     info = RunInfo(
         scenario=scenario.name if scenario else "",
         vessel=vessel.name,
@@ -263,10 +304,6 @@ def _collect(reader: McapReader, collector: _Collector, file: Path) -> tuple[int
         if names[channel.topic] == "thruster_feedback":
             first, last = first or message.log_time, message.log_time
     return first, last
-
-
-def _matrix(rows: list[Row], width: int) -> Any:
-    return np.array(rows, dtype=np.float64).reshape(-1, width)
 
 
 def _documents(attachments: Mapping[str, bytes], vessel_name: str, file: Path) -> tuple[Vessel, Scenario | None]:

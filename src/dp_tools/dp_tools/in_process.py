@@ -82,6 +82,7 @@ class ClosedLoop:
         self._ratio = round(vessel.measurement.sample_time / vessel.simulation.time_step)
         self._ticks = self._tick_at(scenario.duration)
         self._tick = 0
+        self._answered: int | None = None  # stamp of the newest pose answered, ns
         self._log = RunLog(vessel.thruster_names, -(-self._ticks // self._ratio), self._ticks, _AT_FEEDBACK)
         n = len(vessel.thrusters)
         self._tau_achieved: FloatArray = np.zeros(3)
@@ -128,6 +129,12 @@ class ClosedLoop:
         feedback_times: FloatArray = np.arange(self._tick, dtype=np.float64) * self._step_ns * 1e-9
         return self._log.finish(info, feedback_times[:: self._ratio], feedback_times)
 
+    def _controller_time(self, stamp: int) -> float:
+        """Return a stamp (ns) on the controller's own clock, which adds up the times between poses."""
+        if self._answered is None:
+            return stamp * 1e-9
+        return self._controller.time + (stamp - self._answered) * 1e-9
+
     def _of(self, node: str, kind: type[S]) -> S:
         settings = self._settings[node]
         if not isinstance(settings, kind):
@@ -135,7 +142,7 @@ class ClosedLoop:
         return settings
 
     def _tick_at(self, seconds: float) -> int:
-        return round(seconds * 1e9 / self._step_ns)
+        return round(_nanoseconds(seconds) / self._step_ns)
 
     def _perform(self, event: Event) -> None:
         """Do what the operator does: parameters first."""
@@ -146,10 +153,11 @@ class ClosedLoop:
         if event.setpoint is not None:
             self._controller.set_setpoint(_as_sent(np.array(event.setpoint)))
         if event.joystick is not None:
-            self._controller.set_joystick(np.array(event.joystick), event.at)
+            time_given = None if self._answered is None else self._controller_time(_nanoseconds(event.at))
+            self._controller.set_joystick(np.array(event.joystick), time_given)
         if event.path is not None:
             self._controller.set_path(
-                np.array([point.at for point in event.path]),
+                np.array([self._controller_time(_nanoseconds(point.at)) for point in event.path]),
                 np.array([_as_sent(np.array(point.position)) for point in event.path]),
             )
 
@@ -203,6 +211,7 @@ class ClosedLoop:
         answer = self._allocator.step(demand.tau_desired, elapsed)
         self._tau_achieved = answer.tau_achieved
         self._thrust, self._azimuth = answer.thrust, answer.azimuth
+        self._answered = k * self._step_ns
 
         log, rows, i = self._log, self._log.rows, k // self._ratio
         if pose is not None:
@@ -218,6 +227,7 @@ class ClosedLoop:
         rows["integral"][i] = demand.integral
         rows["derivative"][i] = demand.derivative
         rows["joystick"][i] = demand.joystick
+        rows["transfer"][i] = demand.transfer
         rows["tau_desired"][i] = demand.tau_desired
         rows["tau_achieved"][i] = answer.tau_achieved
         rows["slack"][i] = answer.slack
@@ -230,6 +240,10 @@ class ClosedLoop:
         log.note("controller_status", t, demand.status)
         log.note("allocation_status", t, answer.status)
         log.note("azimuth_mode", t, answer.azimuth_mode)
+
+
+def _nanoseconds(seconds: float) -> int:
+    return round(seconds * 1e9)
 
 
 def _as_sent(position: FloatArray) -> FloatArray:

@@ -50,11 +50,12 @@ def batch_jackknife(
     InputError
         If a window has fewer than two samples a batch.
     """
+    for window in samples:
+        if len(window) < 2 * batches:
+            raise InputError(f"window: expected at least {2 * batches} samples, found {len(window)}")
     value = statistic(*samples)
     variance = 0.0
     for i, window in enumerate(samples):
-        if len(window) < 2 * batches:
-            raise InputError(f"window: expected at least {2 * batches} samples, found {len(window)}")
         edges = np.linspace(0, len(window), batches + 1).round().astype(int)
         left_out = np.array(
             [

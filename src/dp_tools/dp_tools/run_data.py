@@ -25,7 +25,7 @@ from marine_model.guards import FloatArray
 #   bias                    N, N, N m       map_ned
 #   reference_position      m, m, rad       map_ned
 #   reference_velocity      m/s, m/s, rad/s body frame
-#   proportional, integral, derivative, joystick, tau_desired, tau_achieved, slack    N, N, N m, body frame
+#   proportional, integral, derivative, joystick, transfer, tau_desired, tau_achieved, slack    N, N, N m, body frame
 #   thrust_command          N               azimuth_command   rad          allocation_cost   -
 # One row a feedback (drivers' rate):
 #   shaft_speed  Hz         motor_torque  N m          power  W         azimuth  rad
@@ -44,6 +44,7 @@ WIDTHS: Mapping[str, int] = {
     "integral": 3,
     "derivative": 3,
     "joystick": 3,
+    "transfer": 3,
     "tau_desired": 3,
     "tau_achieved": 3,
     "slack": 3,

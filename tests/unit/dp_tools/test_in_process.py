@@ -196,9 +196,9 @@ def test_run_a_saves_power_with_rotating_thrusters(run_a: tuple[Scenario, RunDat
 def steady_surge_saving(vessel: Vessel) -> float:
     power = vessel.propellers.power_per_thrust_3_2
     fixed = (power[2] + power[3]) * math.sqrt(0.5) ** 1.5
-    # Minimum of the sum of w T^2 with T_2 + T_3 + T_4 = 1 and T_3 = T_4 (equal arms, opposite sides).
-    w = vessel.allocator.thrust_weight
-    aft = 1.0 / (2.0 + (w[2] + w[3]) / w[1])
+    # Minimum of |W_u T|^2, (4.10), with T_2 + T_3 + T_4 = 1 and T_3 = T_4 (equal arms, opposite sides).
+    _, bow, port, starboard = vessel.allocator.thrust_weight
+    aft = 1.0 / (2.0 + (port**2 + starboard**2) / (2.0 * bow**2))
     shares = np.array([0.0, 1.0 - 2.0 * aft, aft, aft])
     return float((power * shares**1.5).sum()) / float(fixed) - 1.0
 

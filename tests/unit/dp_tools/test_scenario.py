@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 import yaml
 
+from dp_tools.figure_specs import FigureSpec
 from dp_tools.node_settings import default_settings
 from dp_tools.scenario import free_run, load_scenario, scenario_names
 from dp_tools.workspace import WorkspaceError
 from marine_model import load_vessel
 from marine_model.errors import DocumentError, UnknownNameError
-from support.repository import SCENARIOS
+from support.repository import ROOT, SCENARIOS
 
 MINIMAL = """\
 name: trial
@@ -306,3 +307,19 @@ def test_scenario_files_are_plain_yaml() -> None:
     """No tag or anchor that another YAML 1.2 reader would not take."""
     for path in sorted(SCENARIOS.glob("*.yaml")):
         assert isinstance(yaml.safe_load(path.read_text(encoding="utf-8")), dict)
+
+
+def test_example_of_the_documentation_is_valid(tmp_path: Path) -> None:
+    text = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
+    example = text.partition("```yaml\n")[2].partition("```")[0]
+    scenario = load_scenario(write(tmp_path, example))
+    assert scenario.name == "my_trial"
+    assert [event.at for event in scenario.events] == [0.0, 60.0]
+
+
+def test_every_kind_of_figure_is_documented() -> None:
+    text = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
+    kinds = [get_args(spec.model_fields["kind"].annotation)[0] for spec in get_args(get_args(FigureSpec)[0])]
+    assert len(kinds) == 8
+    for kind in kinds:
+        assert f"| `{kind}` |" in text

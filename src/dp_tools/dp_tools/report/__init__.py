@@ -12,7 +12,7 @@ from dp_tools.scenario import Scenario, free_run
 __all__ = ["report_bag", "write_picture", "write_report"]
 
 
-def report_bag(bag: Path, folder: Path, vessel: str = "") -> tuple[Path, Path]:
+def report_bag(bag: Path, folder: Path, vessel: str = "", picture: Path | None = None) -> tuple[Path, Path]:
     """Write report.html and figures.json of a recording into ``folder`` and return their paths.
 
     Parameters
@@ -23,6 +23,8 @@ def report_bag(bag: Path, folder: Path, vessel: str = "") -> tuple[Path, Path]:
         Where to write.
     vessel
         Name or path of the vessel, for a bag that holds none.
+    picture
+        Where to write a stand-alone PNG as well; None for none.
 
     Raises
     ------
@@ -32,4 +34,6 @@ def report_bag(bag: Path, folder: Path, vessel: str = "") -> tuple[Path, Path]:
     recorded = read_bag(bag, vessel)
     scenario: Scenario = recorded.scenario or free_run(recorded.vessel.name, recorded.run.duration)
     page = write_report(recorded.run, scenario, recorded.vessel, folder)
+    if picture is not None:
+        write_picture(recorded.run, scenario, recorded.vessel, picture)
     return page, folder / FIGURES_NAME

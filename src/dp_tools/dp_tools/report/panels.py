@@ -109,7 +109,7 @@ class Panels:
                 continue
             mean = float(series.window(start, end).values.mean())
             color = style.WINDOW_EDGES[i % len(style.WINDOW_EDGES)]
-            self.axes[panel].hlines(mean, start, end, color=color, linewidth=2.2)
+            self.axes[panel].hlines(mean, start, end, color=color, linewidth=2.2, zorder=4)
             self.axes[panel].annotate(
                 f"{name}: mean {mean:.2f} {unit}",
                 (0.5 * (start + end), 1.0),
@@ -140,8 +140,12 @@ class Panels:
     def legends(self) -> None:
         """Say which line is what, above the panels."""
         if self._own_legends:
-            self._legend_on_top(self._handles[0])
-            for axis, own in zip(self.axes[1:], self._handles[1:], strict=True):
+            for i, (axis, own) in enumerate(zip(self.axes, self._handles, strict=True)):
+                if len(own) < 2:
+                    continue  # the label of the axis says it all
+                if i == 0:
+                    self._legend_on_top(own)
+                    continue
                 axis.legend(
                     handles=list(own.values()),
                     labels=list(own),

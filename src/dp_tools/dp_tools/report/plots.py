@@ -281,11 +281,15 @@ def track(scene: Scene, span: Span) -> Picture:
         (name, estimate.window(*scene.scenario.windows[name]), style.WINDOW_EDGES[i % len(style.WINDOW_EDGES)])
         for i, name in enumerate(scene.measured_windows)
     ]
-    for name, part, color in parts or [("whole run", estimate, style.COMMANDED)]:
-        axis.plot(part.values[:, 1], part.values[:, 0], color=color, linewidth=1.0, label=name)
-        axis.plot(part.values[0, 1], part.values[0, 0], marker="o", markersize=4.5, color=color)
-    axis.set_xlabel("east (m)")
-    axis.set_ylabel("north (m)")
+    parts = [entry for entry in parts if len(entry[1].t)] or [("whole run", estimate, style.COMMANDED)]
+    farthest = max(float(np.abs(part.values[:, :2]).max()) for _, part, _ in parts)
+    scale, unit = (1000.0, "mm") if farthest < 0.1 else (1.0, "m")
+    for name, part, color in parts:
+        place = scale * part.values
+        axis.plot(place[:, 1], place[:, 0], color=color, linewidth=1.0, label=name)
+        axis.plot(place[0, 1], place[0, 0], marker="o", markersize=4.5, color=color)
+    axis.set_xlabel(f"east ({unit})")
+    axis.set_ylabel(f"north ({unit})")
     figure.legend(loc="outside upper right", ncols=4)
     return Picture(
         "Track",
@@ -329,7 +333,8 @@ def control_terms(scene: Scene, span: Span) -> Picture:
         panels.at_least(i, 0.5)
     return Picture(
         "Controller: proportional, integral and derivative terms",
-        "Their sum is the desired generalized force; the integral term settles at what balances the environment.",
+        "With joystick and the fading part of a switch of modes they add up to the desired generalized force, before "
+        "limits. The integral term settles at what balances the environment.",
         panels.image(),
         "Proportional, integral and derivative terms in surge, sway and yaw over time",
     )

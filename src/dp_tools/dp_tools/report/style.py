@@ -18,7 +18,7 @@ LIMIT = "#b08a2e"
 # Okabe and Ito's colours, told apart by colour-blind readers too.
 THRUSTERS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00")
 WINDOWS = ("#eaf1f7", "#fcf2de", "#eaf5ec", "#f6ecf4")
-WINDOW_EDGES = ("#3d7ea6", "#c58b1b", "#3f8f55", "#a05a92")
+WINDOW_EDGES = ("#2b3a4d", "#b8790f", "#3f8f55", "#a05a92")
 
 _SETTINGS = {
     "font.size": 9.0,
