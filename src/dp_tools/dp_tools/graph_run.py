@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,8 +52,16 @@ class GraphRun:
     composed: bool
     namespace: str = ""
 
-    def sail(self, say: Callable[[str], None], progress: Callable[[float], None]) -> None:
+    def sail(
+        self,
+        say: Callable[[str], None],
+        progress: Callable[[float], None],
+        arrived: Callable[[Sequence[Child]], None] = lambda running: None,
+    ) -> None:
         """Run to the end of the scenario, or until KeyboardInterrupt.
+
+        ``say`` is told what begins, ``progress`` the simulated time (s) now and then, and ``arrived`` the processes
+        of the graph when the scenario has been played and before any of them is stopped.
 
         Raises
         ------
@@ -80,6 +88,7 @@ class GraphRun:
                 say("starting nodes")
                 self._start_nodes(children)
                 self._conduct(one, say, progress)
+                arrived(children.running)
         finally:
             # The recorder goes last, so that it has what the nodes said on their way out.
             nodes = [child for child in children.all if child not in recorders]

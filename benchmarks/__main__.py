@@ -1,0 +1,75 @@
+"""`python -m benchmarks`: measure, print, and write results.json and machine.json."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+import traceback
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from benchmarks.graph import measure_composed, measure_separate
+from benchmarks.hop import measure_hop
+from benchmarks.in_process import measure_in_process
+from benchmarks.machine import describe_machine, write_machine
+from benchmarks.plan import Plan, quick, whole
+from benchmarks.printout import print_machine, print_results
+from benchmarks.result import Result, write_results
+from benchmarks.start_up import measure_start_up
+
+_MEASUREMENTS: dict[str, tuple[str, Callable[[Plan], list[Result]]]] = {
+    "hop": ("One hop of the ring", measure_hop),
+    "in_process": ("In-process loop", measure_in_process),
+    "separate": ("Lockstep graph, one process a node", measure_separate),
+    "composed": ("Lockstep graph, one process", measure_composed),
+    "start_up": ("Start-up", measure_start_up),
+}
+# Tests take ROS domains up to 101. From 215 on the ports of a domain lie above Linux's ephemeral range.
+_DOMAIN = "220"
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the measurements; 0 unless one of them failed. A missed aim is a result, not a failure."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="little of everything: shows that it works, not how fast")
+    parser.add_argument("--only", action="append", choices=_MEASUREMENTS, help="one measurement; may be repeated")
+    parser.add_argument("--output", type=Path, default=Path(__file__).parent, help="folder of the two files")
+    chosen = parser.parse_args(arguments)
+    os.environ.setdefault("ROS_DOMAIN_ID", _DOMAIN)
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+
+    console = Console()
+    machine = describe_machine()
+    print_machine(console, machine)
+    results: list[Result] = []
+    failed: list[str] = []
+    with tempfile.TemporaryDirectory(prefix="dp_benchmarks_") as scratch:
+        plan = quick(Path(scratch)) if chosen.quick else whole(Path(scratch))
+        for name in chosen.only or _MEASUREMENTS:
+            title, measure = _MEASUREMENTS[name]
+            try:
+                with console.status(f"measuring: {title}"):
+                    found = measure(plan)
+            except Exception as error:  # whatever it was, the others can still be measured
+                failed.append(name)
+                console.print(f"{name}: failed: {type(error).__name__}: {error}", markup=False, style="red")
+                traceback.print_exc()
+                continue
+            print_results(console, title, found)
+            results += found
+    chosen.output.mkdir(parents=True, exist_ok=True)
+    write_results(chosen.output / "results.json", results)
+    write_machine(chosen.output / "machine.json", machine)
+    missed = [result.name for result in results if result.met is False]
+    console.print(f"aims missed: {', '.join(missed) or 'none'}; figures in {chosen.output / 'results.json'}")
+    if failed:
+        console.print(f"failed: {', '.join(failed)}", style="red")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
