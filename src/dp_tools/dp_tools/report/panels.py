@@ -156,7 +156,7 @@ class Panels:
             return
         merged: dict[str, Any] = {}
         for own in self._handles:
-            merged = own | merged
+            merged |= own
         self._legend_on_top(merged)
 
     def _legend_on_top(self, handles: Mapping[str, Any]) -> None:
