@@ -73,8 +73,7 @@ def start_parameters(vessel: str, scenario: Scenario | None, pace: Pace, hold: b
     values["dp_controller"]["synchronous"] = pace.lockstep
     values[SIMULATOR_PACKAGE] |= {"lockstep": pace.lockstep, "rate": float(pace.rate), "hold": hold}
     if scenario is not None:
-        values[SIMULATOR_PACKAGE]["seed"] = scenario.seed
-        for node, own in scenario.parameters.items():
+        for node, own in scenario.start_parameters.items():
             values[node] |= own
     return values
 
