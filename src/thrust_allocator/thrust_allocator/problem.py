@@ -13,7 +13,6 @@ from marine_model.guards import FloatArray
 from marine_model.thruster_configuration import cartesian_configuration, polar_configuration
 from thrust_allocator.polygon import ROWS, rotating_rows
 
-
 # Smallest weight of a slack in the slack form. At 1, first-order solvers stop up to 0.08 N from the optimum along
 # directions that only W_u weighs; at 1e4, some do not converge.
 _SLACK_FORM_WEIGHT = 100.0

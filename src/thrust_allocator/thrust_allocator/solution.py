@@ -11,7 +11,6 @@ import numpy as np
 from marine_model.guards import FloatArray
 from thrust_allocator.problem import AllocationProblem
 
-
 # Beyond this, sums of squares overflow; no force is that large.
 _LARGEST = 1e100
 

@@ -55,7 +55,11 @@ class Leg:
 
 
 LEGS = st.builds(
-    Leg, operator_settings(), demands(), st.sampled_from([0.2, 0.2, 0.2, 0.02, 0.005, 0.3, 1e-4, 5.0]), st.integers(1, 12)
+    Leg,
+    operator_settings(),
+    demands(),
+    st.sampled_from([0.2, 0.2, 0.2, 0.02, 0.005, 0.3, 1e-4, 5.0]),
+    st.integers(1, 12),
 )
 
 
