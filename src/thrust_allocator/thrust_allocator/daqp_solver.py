@@ -8,9 +8,9 @@ from thrust_allocator.problem import AllocationProblem
 from thrust_allocator.solution import Solution, judge
 from thrust_allocator.solver import Solver
 
-# daqp measures its primal tolerance in the norm that H defines, in which a force weighs as much as in W_u or more: 1e-10
-# is about 1e-10 N. Demands far beyond the vessel are numbers in that norm that are not exact to 1e-10, and daqp then
-# takes a problem for infeasible; it gets the wider tolerances. The answer is on the active rows exactly in any case.
+# daqp measures its primal tolerance in the norm that H defines, in which a force weighs as much as in W_u or more:
+# 1e-10 is about 1e-10 N. Demands far beyond the vessel are numbers in that norm that are not exact to 1e-10, and daqp
+# then takes a problem for infeasible; it gets the wider tolerances. The answer is on the active rows exactly anyway.
 _PRIMAL_TOLERANCES = (1e-10, 1e-8, 1e-6)
 _OPTIMAL = 1
 # What ends the search: N, and relative.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from array import array
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,26 @@ _MEANING = {
     Status.HOLD: Level.ERROR,
 }
 _INITIAL = ("vessel", "feedback")
+
+
+@dataclass
+class _Tally:
+    """What the node has done since it was activated, and since the last report (solve times)."""
+
+    status: Status = Status.OPTIMAL
+    message: str = ""
+    demands: int = 0
+    reported: int = 0
+    steps: dict[Status, int] = field(default_factory=lambda: dict.fromkeys(Status, 0))
+    solve_time: float = 0.0
+    longest: float = 0.0
+
+    def add(self, result: AllocationResult) -> None:
+        self.status, self.message = result.status, result.message
+        self.demands += 1
+        self.steps[result.status] += 1
+        self.solve_time += result.solve_time
+        self.longest = max(self.longest, result.solve_time)
 
 
 class AllocatorNode(DpNode[AllocatorSettings]):
@@ -73,35 +94,30 @@ class AllocatorNode(DpNode[AllocatorSettings]):
 
     def health(self) -> Health:
         """Return status of the last step, counts of fall-backs, and solve times."""
-        fresh = self._count - self._reported
+        tally = self._tally
+        fresh = tally.demands - tally.reported
         values: dict[str, object] = {
-            "status": self._last_status.value,
-            "detail": self._last_message,
-            "demands": self._count,
-            **{f"steps_{status.value}": count for status, count in self._counts.items()},
+            "status": tally.status.value,
+            "detail": tally.message,
+            "demands": tally.demands,
+            **{f"steps_{status.value}": count for status, count in tally.steps.items()},
             "solver": self.settings.solver,
-            "solve_time_mean_us": 1e6 * self._solve_time / fresh if fresh else 0.0,
-            "solve_time_max_us": 1e6 * self._longest,
+            "solve_time_mean_us": 1e6 * tally.solve_time / fresh if fresh else 0.0,
+            "solve_time_max_us": 1e6 * tally.longest,
         }
-        self._reported = self._count
-        self._solve_time = self._longest = 0.0
+        tally.reported = tally.demands
+        tally.solve_time = tally.longest = 0.0
         if self._waiting:
             return Health(Level.WARN, "no thruster_feedback yet: demands are refused", values)
         if not fresh:
             return Health(Level.WARN, "no tau_desired: no thruster_command", values)
-        level = _MEANING[self._last_status]
-        return Health(level, "nominal" if level is Level.OK else f"{self._last_status}: {self._last_message}", values)
+        level = _MEANING[tally.status]
+        return Health(level, "nominal" if level is Level.OK else f"{tally.status}: {tally.message}", values)
 
     def _forget(self) -> None:
         self._stamps = StampSequence("tau_desired")
         self._waiting = self._initial == "feedback"
-        self._counts = dict.fromkeys(Status, 0)
-        self._last_status: Status = Status.OPTIMAL
-        self._last_message: str = ""
-        self._count: int = 0
-        self._reported: int = 0
-        self._solve_time: float = 0.0
-        self._longest: float = 0.0
+        self._tally = _Tally()
 
     def _on_feedback(self, message: Any) -> None:
         if not self._waiting:
@@ -126,13 +142,9 @@ class AllocatorNode(DpNode[AllocatorSettings]):
         result = self._core.step((wrench.force.x, wrench.force.y, wrench.torque.z), dt)
         self._publish(message.header.stamp, result)
         self._azimuth = result.azimuth
-        self._count += 1
-        self._counts[result.status] += 1
-        self._solve_time += result.solve_time
-        self._longest = max(self._longest, result.solve_time)
-        self._last_message = result.message
-        if result.status is not self._last_status:
-            self._last_status = result.status
+        changed = result.status is not self._tally.status
+        self._tally.add(result)
+        if changed:
             self._report(result)
 
     def _report(self, result: AllocationResult) -> None:
