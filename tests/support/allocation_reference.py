@@ -68,7 +68,7 @@ def reference(vessel: Vessel, rotating: list[bool], thrust: Array, azimuth: Arra
         region = c2 * (t_high[j] - t_low[j])  # without the |cos| of the print
         at_least(j, -math.sin(low), math.cos(low), region)  # (4.38)
         at_least(j, math.sin(high), -math.cos(high), region)  # (4.39)
-        at_least(j, math.cos(azimuth[j]), math.sin(azimuth[j]), -t_low[j])  # (4.40)
+        at_least(j, math.cos(azimuth[j]), math.sin(azimuth[j]), min(-t_low[j], region))  # (4.40), the region square
         for end in (low, high):  # (4.41), (4.42)
             at_least(j, -math.cos(end), -math.sin(end), math.cos(end - azimuth[j]) * t_high[j])
         basis += [np.eye(2 * n)[j], np.eye(2 * n)[n + j]]

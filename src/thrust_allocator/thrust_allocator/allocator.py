@@ -31,8 +31,8 @@ _IDLE = 1e-7
 # Share of a thruster's span, and angle in rad, within which a command counts as being on its limit.
 _AT_LIMIT = 1e-7
 # Demands beyond this multiple of all thrust and moment there is go to the solver along their direction at this size:
-# the answer is the same, saturated, and the arithmetic keeps its precision.
-_LARGEST_DEMAND = 1e3
+# everything is saturated either way, and the arithmetic keeps its precision.
+_LARGEST_DEMAND = 10.0
 
 
 class Allocator:

@@ -11,6 +11,8 @@ from thrust_allocator.windows import LARGEST_TURN, step_window
 
 # Share of the zero region within which a thrust counts as having left it; see `Phase.HELD`.
 _RELEASE_MARGIN = 1e-6
+# Share of a thruster's span below which the thrust it may give needs no direction.
+_IDLE_SHARE = 1e-7
 
 
 class Phase(IntEnum):
@@ -105,8 +107,11 @@ def plan_thruster(limits: ThrusterLimits, thrust: float, azimuth: float, dt: flo
         zero_thrust = min(limits.zero_thrust, thrust_step)
         if thrust >= -zero_thrust * (1.0 + _RELEASE_MARGIN):
             lower, upper = step_window(thrust, -zero_thrust, limits.thrust_max, thrust_step, approach)
-            turn = min(limits.azimuth_rate * dt, LARGEST_TURN)
-            return Plan(Phase.ROTATING, lower, upper, azimuth, -turn, turn)
+            if upper > _IDLE_SHARE * limits.span:
+                turn = min(limits.azimuth_rate * dt, LARGEST_TURN)
+                return Plan(Phase.ROTATING, lower, upper, azimuth, -turn, turn)
+            # Nothing to direct: a polygon of no size would only trouble the solver.
+            return Plan(Phase.FIXED, min(0.0, upper), upper, azimuth, 0.0, 0.0)
         phase = Phase.HELD
         minimum = max(minimum, -zero_thrust)
     elif limits.rotating or not limits.may_rotate:

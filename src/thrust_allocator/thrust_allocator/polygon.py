@@ -24,10 +24,13 @@ def rotating_rows(
     bound lies inside the arcs of the true limits, but for the small region about zero in which a thruster may turn
     without thrust.
 
-    That region has the width c_2 (T_+ - T_-) on both sides of the cone. (4.38)-(4.39) print c_2 |cos(alpha)| in place
-    of c_2, which would take it away where an end of the window points athwartships: a thruster there at zero thrust
+    That region reaches c_2 (T_+ - T_-) beyond both sides of the cone. (4.38)-(4.39) print c_2 |cos(alpha)| in place of
+    c_2, which would take it away where an end of the window points athwartships: a thruster there at zero thrust
     could not leave its cone and would be stuck. The rows have length 1, so that a distance from the line needs no
     factor; the region is then the same in every direction.
+
+    Astern it reaches as far, and not to a smaller T_-: there the two sides meet in a point exactly opposite to the
+    present direction, which would be the answer to most demands and say nothing of the side on which to turn.
 
     Parameters
     ----------
@@ -48,7 +51,7 @@ def rotating_rows(
     return (
         (sin_low, -cos_low, width),
         (-sin_high, cos_high, width),
-        (-cos(azimuth), -sin(azimuth), -thrust_lower),
+        (-cos(azimuth), -sin(azimuth), min(-thrust_lower, width)),
         (cos_low, sin_low, cos(turn_low) * thrust_upper),
         (cos_high, sin_high, cos(turn_high) * thrust_upper),
     )

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from math import nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from marine_model.guards import FloatArray
 from thrust_allocator.problem import AllocationProblem
+
+# Beyond this, sums of squares overflow; no force is that large.
+_LARGEST = 1e100
 
 
 class Residuals(NamedTuple):
@@ -70,6 +73,9 @@ class Solution:
 
 def judge(problem: AllocationProblem, z: FloatArray, multipliers: FloatArray) -> Residuals:
     """Return the residuals of ``z`` and ``multipliers`` for ``problem``; shapes as in :class:`Solution`."""
+    # Summed in Python, where infinity and NaN pass without a warning.
+    if not sum(map(abs, z.tolist())) + sum(map(abs, multipliers.tolist())) < _LARGEST:
+        return Residuals(nan, nan, nan, nan)
     k = problem.bounds
     of_rows = multipliers[k:]
     gradient = problem.H.dot(z)
@@ -91,7 +97,6 @@ def judge(problem: AllocationProblem, z: FloatArray, multipliers: FloatArray) ->
         upper, lower = problem.b_upper[i] - value, value - problem.b_lower[i]
         violation = max(violation, -upper, -lower)
         products += (multiplier * (upper if multiplier > 0.0 else lower)) ** 2
-    # The order of arguments lets NaN through max().
     return Residuals(
         max(violation, 0.0),
         sqrt(gradient.dot(gradient)) / scale,

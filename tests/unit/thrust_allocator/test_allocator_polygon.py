@@ -85,7 +85,7 @@ def test_zero_thrust_can_leave_its_cone_where_an_end_is_athwartships(end: float)
     turn = 0.21
     azimuth = end - turn  # its upper end points to starboard or port
     rows = rotating_rows(azimuth, -turn, turn, -0.02, 3.0, 1e-3)
-    a_x, a_y, b = rows[1]
+    b = rows[1][2]
     assert b == pytest.approx(1e-3 * 3.02)  # c_2 |cos(alpha_+)| would make it 2e-19
     # A force just beyond that end is allowed, so that the answer shows which way to turn.
     assert inside(rows, 2.9e-3, end + math.pi / 2)

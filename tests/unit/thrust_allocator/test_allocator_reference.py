@@ -10,8 +10,10 @@ import pytest
 
 from marine_model import load_vessel
 from marine_model.errors import InputError
+from marine_model.guards import FloatArray
 from support.allocation_reference import reference
 from thrust_allocator import Allocator, AllocatorSettings, Status, solver_names
+from thrust_allocator.phase import Phase, Plan
 from thrust_allocator.polar import rotating_command
 
 VESSEL = load_vessel("cybership3")
@@ -73,20 +75,19 @@ def test_every_solver_gives_the_same_answers(name: str, mode: str) -> None:
     random = np.random.default_rng(6)
     ours = Allocator(VESSEL, AllocatorSettings(azimuth_mode=mode))
     theirs = Allocator(VESSEL, AllocatorSettings(azimuth_mode=mode, solver=name))
+    before: tuple[FloatArray | None, FloatArray | None] = (None, None)
     for k in range(120):
         if k % 12 == 0:
             tau = random.normal(size=3) * [6.0, 5.0, 3.0]
         expected = ours.step(tau, DT)
-        theirs.reset(*before) if k else None
+        theirs.reset(*before)
         found = theirs.step(tau, DT)
         assert found.status is Status.OPTIMAL, found.message
         assert found.solver == name
-        assert ours.problem is not None
         assert ours.solution is not None
         assert theirs.solution is not None
-        # First-order and interior-point solvers stop near the optimum, within their own tolerances of 1e-9 relative.
-        gap = ours.problem.objective(theirs.solution.z) - ours.problem.objective(ours.solution.z)
-        assert abs(gap) <= 1e-6 * (1.0 + ours.problem.objective(ours.solution.z))
+        # The tolerances asked of them are 1e-10; osqp, the only first-order one, is the farthest off.
+        np.testing.assert_allclose(theirs.solution.z, ours.solution.z, atol=1e-5)
         np.testing.assert_allclose(found.tau_achieved, expected.tau_achieved, atol=1e-4)
         before = expected.thrust, expected.azimuth
 
@@ -100,8 +101,6 @@ def test_unknown_solver_is_refused_with_the_list() -> None:
 
 
 def test_recheck_by_hand() -> None:
-    from thrust_allocator.phase import Phase, Plan
-
     plan = Plan(Phase.ROTATING, -0.02, 5.0, 0.0, -0.2, 0.2)
     # Inside the window: as it is.
     assert rotating_command(plan, 3.0 * math.cos(0.1), 3.0 * math.sin(0.1), 1e-6) == pytest.approx((3.0, 0.1))
