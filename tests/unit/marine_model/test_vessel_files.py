@@ -143,7 +143,7 @@ NUMBERS = [place for place in LEAVES if place[-1] not in ("name", "type", "descr
 def test_nothing_but_numbers_for_numbers(tmp_path: Path, place: tuple[str | int, ...]) -> None:
     value = CONTENT
     for part in place:
-        value = value[part]  # type: ignore[index]
+        value = value[part]
     words: Any = "much"
     if isinstance(value, list) and isinstance(value[0], list):
         words = [["much"] * 3] * 3
