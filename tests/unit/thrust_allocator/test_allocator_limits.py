@@ -125,7 +125,7 @@ def check_step(
         assert max(residuals[1:]) <= 1e-8
 
 
-@settings(max_examples=2500, deadline=None)
+@settings(max_examples=300, deadline=None)
 @given(
     legs=st.lists(LEGS, min_size=1, max_size=6),
     share=st.tuples(*[st.floats(0.0, 1.0)] * 4),
