@@ -18,6 +18,11 @@ from thrust_allocator.polygon import ROWS, rotating_rows
 _SLACK_FORM_WEIGHT = 100.0
 
 
+# Slack (N) whose gradient is the smallest that others are compared with: without a demand nothing else would set a scale,
+# and the rounding of 10 N alone is a gradient of 1e-8.
+_SMALLEST_SLACK = 1e-3
+
+
 def _numbers(array: FloatArray) -> memoryview[float]:
     """Return a writable view of all elements of ``array`` in a row."""
     return cast("memoryview[float]", memoryview(cast("Any", array.reshape(-1))))
@@ -112,6 +117,7 @@ class AllocationProblem:
         "b_upper",
         "f",
         "fixed",
+        "gradient_floor",
         "rotating",
         "tau",
         "weights",
@@ -130,6 +136,7 @@ class AllocationProblem:
         self.A = np.zeros((ROWS * r, m))
         self.b_lower = np.full(k + ROWS * r, -np.inf)
         self.b_upper = np.zeros(k + ROWS * r)
+        self.gradient_floor = _SMALLEST_SLACK * float(weights.slack.min())
         self._gain = np.zeros((m, 3))
         # Single numbers go in through memory views, which costs half of what indexing an array does.
         self._a = _numbers(self.A)

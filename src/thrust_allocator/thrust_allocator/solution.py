@@ -23,7 +23,7 @@ class Residuals(NamedTuple):
     violation
         Largest violation of a bound or row, N.
     stationarity
-        Length of H z + f + A' lambda, over the longest term in that sum.
+        Length of H z + f + A' lambda, over the longest of f and A' lambda, or ``problem.gradient_floor``.
     dual_violation
         Largest multiplier of the wrong sign, over the same term.
     complementarity
@@ -82,7 +82,7 @@ def judge(problem: AllocationProblem, z: FloatArray, multipliers: FloatArray) ->
     gradient += problem.f
     pull = of_rows.dot(problem.A)
     pull[:k] += multipliers[:k]
-    scale = max(1.0, sqrt(problem.f.dot(problem.f)), sqrt(pull.dot(pull)))
+    scale = max(problem.gradient_floor, sqrt(problem.f.dot(problem.f)), sqrt(pull.dot(pull)))
     gradient += pull
     violation = wrong_sign = products = 0.0
     if len(of_rows):
