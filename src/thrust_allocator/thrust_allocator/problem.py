@@ -18,8 +18,8 @@ from thrust_allocator.polygon import ROWS, rotating_rows
 _SLACK_FORM_WEIGHT = 100.0
 
 
-# Slack (N) whose gradient is the smallest that others are compared with: without a demand nothing else would set a scale,
-# and the rounding of 10 N alone is a gradient of 1e-8.
+# Slack (N) whose gradient is the smallest that others are compared with: without a demand nothing else would set a
+# scale, and the rounding of 10 N alone is a gradient of 1e-8.
 _SMALLEST_SLACK = 1e-3
 
 

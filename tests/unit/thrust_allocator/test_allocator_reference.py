@@ -18,7 +18,7 @@ from thrust_allocator.polar import rotating_command
 
 VESSEL = load_vessel("cybership3")
 DT = 0.2
-STEPS = 3000
+STEPS = 2000
 
 
 @pytest.mark.parametrize("mode", ["fixed", "rotating"])
