@@ -1,11 +1,17 @@
 """Fixtures that every test may use."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from support.domains import reserve_domain_id
+
+# Speed is judged in benchmarks/, never by a test. In CI the same examples every time: a red run is the change's own.
+settings.register_profile("project", deadline=None, derandomize="CI" in os.environ)
+settings.load_profile("project")
 
 KINDS = ("unit", "node", "system")
 

@@ -26,9 +26,12 @@ class Health:
     values: Mapping[str, object] = field(default_factory=dict)
 
     def worse_of(self, other: Health) -> Health:
-        """Return the worse of two, with the values of both; the first wins a tie."""
+        """Return the worse of two, with the values of both; two of one level above OK are both told."""
+        values = {**self.values, **other.values}
+        if self.level == other.level and self.level is not Level.OK and self.message != other.message:
+            return Health(self.level, f"{self.message}; {other.message}", values)
         worst = self if self.level >= other.level else other
-        return Health(worst.level, worst.message, {**self.values, **other.values})
+        return Health(worst.level, worst.message, values)
 
 
 def to_status(name: str, health: Health) -> DiagnosticStatus:

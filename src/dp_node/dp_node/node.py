@@ -221,7 +221,14 @@ class DpNode(LifecycleNode, Generic[S]):
     def publish_diagnostics(self) -> None:
         """Publish the health of this node on /diagnostics."""
         label = self._state_machine.current_state[1]
-        own = Health(values={"state": label, "refused_inputs": self._refused, "ignored_inputs": self.ignored})
+        own = Health(
+            values={
+                "state": label,
+                "refused_inputs": self._refused,
+                "ignored_inputs": self.ignored,
+                "last_refusal": self._last_refusal,
+            }
+        )
         if self._refused > self._refusals_reported:
             self._refusals_reported = self._refused
             own = Health(Level.WARN, f"refused: {self._last_refusal}", own.values)

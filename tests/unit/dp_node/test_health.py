@@ -11,6 +11,13 @@ def test_the_worse_of_two_wins_and_values_of_both_are_kept() -> None:
     assert bad.worse_of(Health(Level.WARN, "late")).message == "solver failed"
 
 
+def test_two_warnings_are_both_told_and_two_calm_ones_once() -> None:
+    late, refused = Health(Level.WARN, "late"), Health(Level.WARN, "refused: x")
+    assert late.worse_of(refused).message == "late; refused: x"
+    assert late.worse_of(late).message == "late"
+    assert Health().worse_of(Health(message="sailing")).message == "nominal"
+
+
 def test_the_message_carries_level_name_text_and_values() -> None:
     status = to_status("dp_observer", Health(Level.WARN, "late", {"age_s": 0.25, "count": 3, "state": "active"}))
     assert status.level == b"\x01"
