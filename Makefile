@@ -12,7 +12,7 @@ setup: ## install what is needed into .venv and build the packages into install/
 	@$(SETUP) setup
 
 demo: setup ## set up, sail Run A, leave runs/run_a/bag and runs/run_a/report.html
-	$(VENV)/dp up --scenario run_a --lockstep --record --report
+	$(VENV)/dp up --scenario run_a --lockstep --record --report --overwrite
 
 test: setup ## set up and run all tests
 	$(VENV)/python -m pytest tests

@@ -42,6 +42,8 @@ class GraphRun:
         True for one process instead of one a node.
     namespace
         Namespace of the whole graph, empty for none.
+    overwrite
+        True to replace a recording that is there.
     """
 
     folder: RunFolder
@@ -51,6 +53,7 @@ class GraphRun:
     record: bool
     composed: bool
     namespace: str = ""
+    overwrite: bool = False
 
     def sail(
         self,
@@ -123,7 +126,7 @@ class GraphRun:
             children.start(package, [executable(package, "node"), *self._arguments()])
 
     def _start_recorder(self, children: Children) -> Child:
-        parameters: dict[str, str] = {"output": str(self.folder.bag), "vessel": self.vessel}
+        parameters = {"output": str(self.folder.bag), "vessel": self.vessel, "overwrite": str(self.overwrite).lower()}
         if self.scenario is not None:
             parameters["scenario"] = str(self.scenario.path)
         arguments: list[str | Path] = [executable("dp_tools", _RECORDER), "--ros-args"]

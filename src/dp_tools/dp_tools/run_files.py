@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -47,9 +46,9 @@ class RunFolder:
             If it cannot be written, or holds a recording and ``overwrite`` is false.
         """
         if self.bag.exists():
+            # What goes is the recorder's to judge: it replaces a bag and nothing else.
             if not overwrite:
                 raise FolderError(f"{self.bag}: holds a recording; choose another --output, or --overwrite it")
-            shutil.rmtree(self.bag)
         try:
             self.logs.mkdir(parents=True, exist_ok=True)
             (self.path / ".writable").touch()

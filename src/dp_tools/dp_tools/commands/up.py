@@ -50,8 +50,8 @@ def up(
     vessel_name = vessel or (chosen.vessel if chosen else "cybership3")
     load_vessel(vessel_name)
     folder = RunFolder((output or Path("runs") / (chosen.name if chosen else "up")).absolute())
-    folder.prepare(overwrite)
-    run = GraphRun(folder, vessel_name, chosen, Pace(lockstep, rate), record, composed, namespace)
+    folder.prepare(overwrite or not record)
+    run = GraphRun(folder, vessel_name, chosen, Pace(lockstep, rate), record, composed, namespace, overwrite)
     started = time.monotonic()
     if chosen is None:
         try:

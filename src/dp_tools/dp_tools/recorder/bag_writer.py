@@ -120,6 +120,13 @@ class BagWriter:
         except OSError as error:
             raise self._stopped(error, 0) from error
 
+    def describe(self, name: str, values: Mapping[str, str]) -> None:
+        """Write a record of words by name, e.g. of versions. Raises RecordingStoppedError."""
+        try:
+            self._file.add_metadata(name, dict(values))
+        except OSError as error:
+            raise self._stopped(error, 0) from error
+
     def close(self, custom_data: Mapping[str, str] | None = None) -> None:
         """Finish the MCAP file and write metadata.yaml.
 

@@ -22,6 +22,7 @@ from dp_node.run import Stop
 from dp_tools.recorder.bag_writer import BagWriter
 from dp_tools.recorder.errors import RecordingRefusedError, RecordingStoppedError
 from dp_tools.recorder.recorder import Recorder
+from dp_tools.versions import VERSIONS_RECORD, versions
 from marine_model import load_vessel
 from marine_model.errors import DpError
 
@@ -70,6 +71,7 @@ class RecorderNode(Node):
         self.writer = BagWriter(Path(output), overwrite)
         for name, data in attachments.items():
             self.writer.attach(name, "application/yaml", data, time.time_ns())
+        self.writer.describe(VERSIONS_RECORD, versions())
         # No executor serves this node: the recorder takes its messages itself.
         self.ears = Node(
             "_recorder_ears", namespace=self.get_namespace(), start_parameter_services=False, enable_rosout=False
