@@ -12,7 +12,7 @@ from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray, finite_vector, positive_number
-from thrust_allocator.phase import Phase, Plan, ThrusterLimits, plan_thruster
+from thrust_allocator.phase import IDLE_SHARE, Phase, Plan, ThrusterLimits, plan_thruster
 from thrust_allocator.polar import held_command, rotating_command
 from thrust_allocator.problem import AllocationProblem, Weights
 from thrust_allocator.result import AllocationResult, Status
@@ -26,8 +26,6 @@ from thrust_allocator.solvers import make_solver
 # answers that are wrong; first-order solvers are content with about 1e-7.
 _ACCEPTED_FORCE = 1e-6
 _ACCEPTED_STATIONARITY = 1e-5
-# Share of a thruster's span below which a force has no direction: above the rounding of the solvers, far below c_2.
-_IDLE = 1e-7
 # Share of a thruster's span, and angle in rad, within which a command counts as being on its limit.
 _AT_LIMIT = 1e-7
 # Demands beyond this multiple of all thrust and moment there is go to the solver along their direction at this size:
@@ -275,7 +273,7 @@ class Allocator:
             commands[j] = min(max(z[i], plan.thrust_lower), plan.thrust_upper), plan.azimuth
         at = len(problem.fixed)
         for j in problem.rotating:
-            commands[j] = rotating_command(plans[j], z[at], z[at + 1], _IDLE * self._spans[j])
+            commands[j] = rotating_command(plans[j], z[at], z[at + 1], IDLE_SHARE * self._spans[j])
             at += 2
         return commands
 

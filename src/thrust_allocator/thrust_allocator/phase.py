@@ -11,8 +11,8 @@ from thrust_allocator.windows import LARGEST_TURN, step_window
 
 # Share of the zero region within which a thrust counts as having left it; see `Phase.HELD`.
 _RELEASE_MARGIN = 1e-6
-# Share of a thruster's span below which the thrust it may give needs no direction.
-_IDLE_SHARE = 1e-7
+# Share of a thruster's span below which a thrust has no direction: above the rounding of the solvers, far below c_2.
+IDLE_SHARE = 1e-7
 
 
 class Phase(IntEnum):
@@ -107,7 +107,7 @@ def plan_thruster(limits: ThrusterLimits, thrust: float, azimuth: float, dt: flo
         zero_thrust = min(limits.zero_thrust, thrust_step)
         if thrust >= -zero_thrust * (1.0 + _RELEASE_MARGIN):
             lower, upper = step_window(thrust, -zero_thrust, limits.thrust_max, thrust_step, approach)
-            if upper > _IDLE_SHARE * limits.span:
+            if upper > IDLE_SHARE * limits.span:
                 turn = min(limits.azimuth_rate * dt, LARGEST_TURN)
                 return Plan(Phase.ROTATING, lower, upper, azimuth, -turn, turn)
             # Nothing to direct: a polygon of no size would only trouble the solver.
