@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,10 @@ from marine_model.errors import DpError
 
 _RECORDER = "recorder"
 _RECORDER_SECONDS = 20.0
+
+
+class GraphRunningError(DpError):
+    """A graph runs already where this one was to start."""
 
 
 class UncleanStopError(DpError):
@@ -80,6 +85,7 @@ class GraphRun:
         problems: list[str] = []
         try:
             with operator(self.namespace) as one:
+                self._refuse_company(one)
                 one.watch = children.check
                 if self.record:
                     recorders.append(self._start_recorder(children))
@@ -99,6 +105,23 @@ class GraphRun:
             problems += children.stop()
         if problems:
             raise UncleanStopError("\n".join(problems))
+
+    def _refuse_company(self, one: Operator) -> None:
+        """Raise GraphRunningError if nodes of our names are there already: two graphs would mix their messages."""
+        namespace = one.node.get_namespace()
+        ours = (*RING_PACKAGES, SIMULATOR_PACKAGE)
+
+        def present() -> list[str]:
+            found = one.node.get_node_names_and_namespaces()
+            return sorted(name for name, place in found if place == namespace and name in ours)
+
+        found = one.settled(present)
+        if found:
+            domain = os.environ.get("ROS_DOMAIN_ID", "0")
+            raise GraphRunningError(
+                f"ROS domain {domain}, namespace {namespace}: expected no graph, found {', '.join(found)} running; "
+                "stop it, or choose another --namespace or ROS_DOMAIN_ID"
+            )
 
     def _conduct(self, one: Operator, say: Callable[[str], None], progress: Callable[[float], None]) -> None:
         nodes = (*RING_PACKAGES, SIMULATOR_PACKAGE)
