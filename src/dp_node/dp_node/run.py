@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -19,16 +20,26 @@ from marine_model.errors import DpError
 _ACKNOWLEDGE_SECONDS = 2.0
 
 
+# A process that starts others puts its process id here: they end when it does, however it ends.
+PARENT_VARIABLE = "DP_PARENT_PID"
+
+
 class Stop:
-    """Set by SIGINT and SIGTERM; ask it in a loop."""
+    """Set by SIGINT and SIGTERM, and by the end of the parent that asked for it; ask it in a loop."""
 
     def __init__(self) -> None:
-        self.requested = False
+        self._signalled = False
+        self._parent = int(os.environ.get(PARENT_VARIABLE) or 0)
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._handle)
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
-        self.requested = True
+        self._signalled = True
+
+    @property
+    def requested(self) -> bool:
+        """True once the process shall end."""
+        return self._signalled or (self._parent > 0 and os.getppid() != self._parent)
 
 
 def run_nodes(make: Sequence[Callable[[], Node]], args: Sequence[str] | None = None) -> int:

@@ -115,7 +115,7 @@ class GraphRun:
             found = one.node.get_node_names_and_namespaces()
             return sorted(name for name, place in found if place == namespace and name in ours)
 
-        found = one.settled(present)
+        found = one.settled(present, quiet=0.5)
         if found:
             domain = os.environ.get("ROS_DOMAIN_ID", "0")
             raise GraphRunningError(

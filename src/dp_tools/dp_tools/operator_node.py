@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -55,7 +56,7 @@ class Operator:
                 raise NoAnswerError(f"waited {seconds:g} s for {what}")
             self.executor.spin_once(timeout_sec=0.05)
 
-    def settled(self, observe: Callable[[], T], quiet: float = 0.3, seconds: float = 3.0) -> T:
+    def settled(self, observe: Callable[[], T], quiet: float = 1.0, seconds: float = 5.0) -> T:
         """Spin until ``observe`` has returned the same for ``quiet`` s, at most ``seconds``: discovery takes time."""
         deadline = time.monotonic() + seconds
         seen, since = observe(), time.monotonic()
@@ -77,7 +78,10 @@ class Operator:
 @contextmanager
 def operator(namespace: str = "") -> Iterator[Operator]:
     """Make an operator node, and close it in the end."""
-    # Ctrl-C stays Python's KeyboardInterrupt, so that children can be stopped in order.
+    # Ctrl-C stays Python's KeyboardInterrupt, so that children can be stopped in order; SIGTERM means the same. It is
+    # set anew because a process in the background of a script starts with SIGINT ignored.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node(f"dp_operator_{os.getpid()}", namespace=namespace or None)
     one = Operator(node)

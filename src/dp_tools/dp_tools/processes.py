@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import os
 import signal
 import subprocess
 import threading
@@ -11,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO
 
+from dp_node.run import PARENT_VARIABLE
 from marine_model.errors import DpError
 
 # A child has this long to end after SIGINT, then again after SIGTERM, before it is killed.
@@ -37,6 +39,7 @@ class Child:
             errors="replace",
             # Ctrl-C in the terminal reaches the parent alone, which stops the children in order.
             start_new_session=True,
+            env=os.environ | {PARENT_VARIABLE: str(os.getpid())},
         )
         self._log = log_file.open("w", encoding="utf-8")
         stream = self._process.stdout

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 import yaml
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType
+from rich.markup import escape
 from rich.table import Table
 
 from dp_tools.commands.root import console
@@ -36,19 +37,22 @@ def list_parameters(
     node: Annotated[str, typer.Argument(help="Node; all of the graph if left out.")] = "",
     namespace: Namespace = "",
 ) -> None:
-    """List parameters with value, type, range and meaning."""
+    """List parameters with value, range or type, and meaning."""
     with operator(namespace) as one:
         for name in [node] if node else _running(one):
             remote = RemoteParameters(one, name)
             values = remote.get()
             descriptors = remote.describe(list(values))
-            table = Table("parameter", "value", "type", "range", "meaning", title=name, title_justify="left")
+            table = Table(title=name, title_justify="left")
+            table.add_column("parameter", no_wrap=True)
+            table.add_column("value", overflow="fold")
+            table.add_column("range")
+            table.add_column("meaning")
             for parameter, value in values.items():
                 descriptor = descriptors[parameter]
-                kind = _TYPES[descriptor.type] + (", read-only" if descriptor.read_only else "")
-                table.add_row(
-                    parameter, _text(value), kind, _range(descriptor), descriptor.description.replace("[", r"\[")
-                )
+                meaning = f"{descriptor.description}{'; read-only' if descriptor.read_only else ''}"
+                limits = _range(descriptor) or _TYPES[descriptor.type]
+                table.add_row(parameter, *(escape(text) for text in (_text(value), limits, meaning)))
             console.print(table)
 
 

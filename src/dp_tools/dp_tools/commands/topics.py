@@ -39,7 +39,10 @@ def topics(
             end = time.monotonic() + rate
             while time.monotonic() < end:
                 one.executor.spin_once(timeout_sec=0.05)
-        table = Table("topic", "type", "publishers", "subscribers", *(["Hz"] if rate else []))
+        table = Table()
+        table.add_column("topic", no_wrap=True)
+        for title in ("type", "publishers", "subscribers", *(["Hz"] if rate else [])):
+            table.add_column(title, overflow="fold")
         for topic, kind in found:
             publishers = [e.node_name for e in one.node.get_publishers_info_by_topic(topic)]
             subscribers = [e.node_name for e in one.node.get_subscriptions_info_by_topic(topic) if e.node_name != own]
