@@ -12,7 +12,7 @@ from lifecycle_msgs.msg import State
 from lifecycle_msgs.srv import GetState
 from nav_msgs.msg import Path as PathMessage
 
-from dp_node import RING, RING_PUBLISHER, from_nanoseconds, to_nanoseconds
+from dp_node import RING_PUBLISHER, from_nanoseconds, to_nanoseconds
 from dp_tools.clock_reader import ClockReader
 from dp_tools.operator_node import Operator
 from dp_tools.parameter_service import RemoteParameters
@@ -50,6 +50,9 @@ class Conductor:
         self._setpoint = node.create_publisher(PoseStamped, "setpoint", RING_PUBLISHER)
         self._joystick = node.create_publisher(WrenchStamped, "joystick", RING_PUBLISHER)
         self._path = node.create_publisher(PathMessage, "path", RING_PUBLISHER)
+        # With the history that the controller keeps: its answer may be out before it has heard of this subscription.
+        node.create_subscription(ControllerStatus, "controller_status", self._note_status, RING_PUBLISHER)
+        self._awaited: int | None = None
         self._answers: list[ControllerStatus] = []
         self._parameters: dict[str, RemoteParameters] = {}
 
@@ -121,33 +124,29 @@ class Conductor:
             self._confirm(self._path, path, "setpoint", stamp)
 
     def _note_status(self, message: ControllerStatus) -> None:
-        self._answers.append(message)
+        # Samples have stamps of their own; only the answer to an input carries the stamp of the input.
+        if to_nanoseconds(message.header.stamp) == self._awaited:
+            self._answers.append(message)
 
     def _confirm(self, publisher: Any, message: Any, kind: str, stamp: int) -> None:
         """Publish an operator input, and wait until the controller says that it has it."""
-        node = self._operator.node
-        # Only listened to while an acknowledgement is awaited: a conductor must not slow the ring down.
-        subscription = node.create_subscription(ControllerStatus, "controller_status", self._note_status, RING)
-        try:
-            self._operator.wait_until(
-                lambda: publisher.get_subscription_count() > 0 and subscription.get_publisher_count() > 0,
-                _START_SECONDS,
-                f"dp_controller to listen for a {kind}",
-            )
-            self._answers.clear()
-            publisher.publish(message)
+        self._operator.wait_until(
+            lambda: publisher.get_subscription_count() > 0, _START_SECONDS, f"dp_controller to listen for a {kind}"
+        )
+        self._answers.clear()
+        self._awaited = stamp
+        publisher.publish(message)
 
-            def confirmed() -> bool:
-                for answer in self._answers:
-                    if answer.message.startswith("refused"):
-                        raise ConductorError(f"{kind} at {stamp * 1e-9:.1f} s: {answer.message}")
-                    if to_nanoseconds(getattr(answer, f"{kind}_stamp")) == stamp:
-                        return True
-                return False
+        def confirmed() -> bool:
+            for answer in self._answers:
+                if to_nanoseconds(getattr(answer, f"{kind}_stamp")) == stamp:
+                    return True
+                if answer.message.startswith("refused"):
+                    raise ConductorError(f"{kind} at {stamp * 1e-9:.1f} s: {answer.message}")
+            return False
 
-            self._operator.wait_until(confirmed, _ACKNOWLEDGE_SECONDS, f"dp_controller to accept the {kind}")
-        finally:
-            node.destroy_subscription(subscription)
+        self._operator.wait_until(confirmed, _ACKNOWLEDGE_SECONDS, f"dp_controller to accept the {kind}")
+        self._awaited = None
 
 
 def _pose(stamp: int, position: tuple[float, float, float]) -> PoseStamped:
