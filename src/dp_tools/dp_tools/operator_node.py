@@ -9,9 +9,11 @@ from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import rclpy
+from rclpy.exceptions import InvalidNamespaceException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
+from rclpy.validate_namespace import validate_namespace
 
 from dp_node import RingExecutor
 from marine_model.errors import DpError
@@ -21,6 +23,10 @@ T = TypeVar("T")
 
 class NoAnswerError(DpError):
     """A node or service did not answer within its time."""
+
+
+class NamespaceError(DpError):
+    """A namespace is not one that ROS knows."""
 
 
 class Operator:
@@ -76,10 +82,15 @@ class Operator:
 
 @contextmanager
 def operator(namespace: str = "") -> Iterator[Operator]:
-    """Make an operator node, and close it in the end."""
+    """Make an operator node, and close it in the end. Raises NamespaceError."""
     # Ctrl-C stays Python's KeyboardInterrupt, so that children can be stopped in order.
+    full = f"/{namespace.strip('/')}"
+    try:
+        validate_namespace(full)
+    except InvalidNamespaceException as error:
+        raise NamespaceError(f"namespace: expected one such as 'ship' or 'fleet/ship', found '{namespace}'") from error
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node(f"dp_operator_{os.getpid()}", namespace=namespace or None)
+    node = rclpy.create_node(f"dp_operator_{os.getpid()}", namespace=full)
     one = Operator(node)
     try:
         yield one
