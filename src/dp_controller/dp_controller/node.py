@@ -16,7 +16,7 @@ from dp_controller.controller import NOMINAL, OBSERVER_INVALID, Controller
 from dp_controller.settings import ControllerSettings
 from dp_controller.signals import ControllerInputs, ControllerOutput
 from dp_controller.timed_path import TimedPath
-from dp_node import AnswerGate, DpNode, Health, Level, StampSequence, from_nanoseconds, run_node, to_nanoseconds
+from dp_node import RING, AnswerGate, Health, Level, RingNode, StampSequence, from_nanoseconds, run_node, to_nanoseconds
 from dp_node.stamps import seconds_between
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME, MAP_FRAME, quaternion_to_heading
@@ -24,7 +24,7 @@ from marine_model.guards import FloatArray, finite_vector
 from marine_model.vessel import Vessel
 
 
-class ControllerNode(DpNode[ControllerSettings]):
+class ControllerNode(RingNode[ControllerSettings]):
     """Answers every odometry with one tau_desired and one controller_status, and every operator input with the latter.
 
     Demands carry the stamp of the odometry they answer. Stamps of joystick and path are on the same time as those of
@@ -33,13 +33,10 @@ class ControllerNode(DpNode[ControllerSettings]):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("dp_controller", **kwargs)
-        self._synchronous: bool = self.structural(
-            "synchronous", False, "Answer an odometry only once tau_achieved of the one before has come (lockstep)"
-        )
 
     def _begin(self) -> None:
         self._core = Controller(self.vessel, self.settings)
-        self._gate = AnswerGate(self._synchronous)
+        self._gate = AnswerGate(self.synchronous)
         self._stamps = StampSequence("odometry")
         self._operator_stamps: dict[str, int] = {}
         self._acted: int | None = None
@@ -62,9 +59,10 @@ class ControllerNode(DpNode[ControllerSettings]):
         self._statuses = self.publish_on(ControllerStatus, "controller_status")
         self.listen(Odometry, "odometry", self._on_odometry)
         self.listen(WrenchStamped, "tau_achieved", self._on_achieved)
-        self.listen(PoseStamped, "setpoint", self._on_setpoint)
-        self.listen(WrenchStamped, "joystick", self._on_joystick)
-        self.listen(Path, "path", self._on_path)
+        # Whoever operates may publish volatile, and would not be heard in lockstep otherwise.
+        self.listen(PoseStamped, "setpoint", self._on_setpoint, RING)
+        self.listen(WrenchStamped, "joystick", self._on_joystick, RING)
+        self.listen(Path, "path", self._on_path, RING)
 
     def apply(self, settings: ControllerSettings) -> None:
         """Hand changed settings to the core, and tell the operator."""

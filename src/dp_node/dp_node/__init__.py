@@ -4,19 +4,22 @@ from dp_node.answer_gate import AnswerGate
 from dp_node.executor import RingExecutor
 from dp_node.health import Health, Level
 from dp_node.node import DpNode
-from dp_node.quality import LATCHED, RING, RING_PUBLISHER
+from dp_node.quality import LATCHED, RING, RING_LOCKSTEP, RING_PUBLISHER
+from dp_node.ring_node import RingNode
 from dp_node.run import run_node, run_nodes
 from dp_node.stamps import StampSequence, from_nanoseconds, seconds_between, to_nanoseconds
 
 __all__ = [
     "LATCHED",
     "RING",
+    "RING_LOCKSTEP",
     "RING_PUBLISHER",
     "AnswerGate",
     "DpNode",
     "Health",
     "Level",
     "RingExecutor",
+    "RingNode",
     "StampSequence",
     "from_nanoseconds",
     "run_node",

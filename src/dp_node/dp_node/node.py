@@ -109,7 +109,12 @@ class DpNode(LifecycleNode, Generic[S]):
         """Return a publisher that is silent while the node is not active."""
         return self.create_lifecycle_publisher(kind, topic, quality)
 
-    def listen(self, kind: Any, topic: str, callback: Callable[[Any], None], quality: QoSProfile = RING) -> None:
+    @property
+    def hearing(self) -> QoSProfile:
+        """Quality with which this node listens, unless :meth:`listen` is told another."""
+        return RING
+
+    def listen(self, kind: Any, topic: str, callback: Callable[[Any], None], quality: QoSProfile | None = None) -> None:
         """Subscribe ``callback``, guarded: it runs while active, and its InputError is reported and counted."""
 
         def guarded(message: Any) -> None:
@@ -121,7 +126,7 @@ class DpNode(LifecycleNode, Generic[S]):
             except InputError as error:
                 self.refuse(str(error))
 
-        self.create_subscription(kind, topic, guarded, quality)
+        self.create_subscription(kind, topic, guarded, quality or self.hearing)
 
     def refuse(self, reason: str) -> None:
         """Count and report an input that was refused."""

@@ -23,6 +23,9 @@ RING_PUBLISHER = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
 
+# The listening side in lockstep: one message that is sent before its reader is matched, and the ring stands still.
+RING_LOCKSTEP = RING_PUBLISHER
+
 # Operator inputs and states that a late joiner must still see.
 LATCHED = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,

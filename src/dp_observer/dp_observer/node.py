@@ -10,7 +10,7 @@ from dp_msgs.msg import ObserverState
 from geometry_msgs.msg import PoseWithCovarianceStamped, WrenchStamped
 from nav_msgs.msg import Odometry
 
-from dp_node import AnswerGate, DpNode, Health, Level, StampSequence, run_node, to_nanoseconds
+from dp_node import AnswerGate, Health, Level, RingNode, StampSequence, run_node, to_nanoseconds
 from dp_observer.estimate import ObserverEstimate, ObserverInputs, ObserverStatus
 from dp_observer.lookahead import Lookahead
 from dp_observer.node_messages import is_fix, require_frame, to_odometry, to_position, to_state, to_tau
@@ -35,14 +35,11 @@ _PATIENCE = 1.5
 _LOOKS_PER_SAMPLE = 8
 
 
-class ObserverNode(DpNode[ObserverSettings]):
+class ObserverNode(RingNode[ObserverSettings]):
     """Answers every pose with odometry and observer_state; goes on without poses, if they do not come."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("dp_observer", **kwargs)
-        self._synchronous: bool = self.structural(
-            "synchronous", False, "Act on a pose only once tau_achieved of the sample before has come; no watchdog"
-        )
 
     def default_settings(self, vessel: Vessel) -> ObserverSettings:
         """Return the core's defaults."""
@@ -56,7 +53,7 @@ class ObserverNode(DpNode[ObserverSettings]):
         self._begin()
         self.listen(PoseWithCovarianceStamped, "pose", self._on_pose)
         self.listen(WrenchStamped, "tau_achieved", self._on_tau)
-        if not self._synchronous:
+        if not self.synchronous:
             self.create_timer(self._sample * 1e-9 / _LOOKS_PER_SAMPLE, self._watch)
 
     def apply(self, settings: ObserverSettings) -> None:
@@ -85,7 +82,7 @@ class ObserverNode(DpNode[ObserverSettings]):
 
     def _begin(self) -> None:
         self._lookahead = Lookahead(Observer(self.vessel, self.settings), self._sample)
-        self._gate = AnswerGate(self._synchronous)
+        self._gate = AnswerGate(self.synchronous)
         self._pose_stamps = StampSequence("pose")
         self._tau_stamps = StampSequence("tau_achieved")
         self._tau: FloatArray = np.zeros(3)

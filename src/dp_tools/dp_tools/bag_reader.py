@@ -193,6 +193,9 @@ class _Collector:
         self._word("azimuth_mode", stamp, m.azimuth_mode)
 
     def _actuator_setpoint(self, stamp: int, m: Any) -> None:
+        answered = self.columns.get("torque_setpoint")
+        if m.command_stale and answered and stamp in answered.rows:
+            return  # the farewell of drivers that are being stopped: what they had answered was in force
         self._by_thruster("torque_setpoint", stamp, m.name, m.torque)
         self._by_thruster("azimuth_rate_setpoint", stamp, m.name, m.azimuth_rate)
 

@@ -12,17 +12,24 @@ from dp_node import RingExecutor, to_nanoseconds
 
 
 class ClockReader:
-    """Reads /clock on demand.
+    """Reads the clock of a graph on demand.
 
     It has a node and an executor of its own, depth 1 and best effort: a clock that ticks a thousand times a second is
     not worth a callback a tick.
+
+    Parameters
+    ----------
+    namespace
+        Of the graph: every simulator has a clock of its own, which is /clock where there is no namespace.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, namespace: str = "") -> None:
         self._time = 0.0
-        self._node = rclpy.create_node(f"dp_clock_reader_{os.getpid()}", start_parameter_services=False)
+        self._node = rclpy.create_node(
+            f"dp_clock_reader_{os.getpid()}", namespace=namespace or None, start_parameter_services=False
+        )
         quality = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self._node.create_subscription(Clock, "/clock", self._note, quality)
+        self._node.create_subscription(Clock, "clock", self._note, quality)
         self._executor = RingExecutor()
         self._executor.add_node(self._node)
 

@@ -8,19 +8,17 @@ from typing import Any
 from dp_msgs.msg import ControllerStatus
 from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseStamped, WrenchStamped
-from lifecycle_msgs.msg import State
-from lifecycle_msgs.srv import GetState
 from nav_msgs.msg import Path as PathMessage
 
-from dp_node import RING, RING_PUBLISHER, from_nanoseconds, to_nanoseconds
+from dp_node import RING_PUBLISHER, from_nanoseconds, to_nanoseconds
 from dp_tools.clock_reader import ClockReader
+from dp_tools.graph_nodes import START_SECONDS
 from dp_tools.operator_node import Operator
 from dp_tools.parameter_service import RemoteParameters
 from dp_tools.scenario import Event, Scenario
 from marine_model.errors import DpError
 from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
 
-_START_SECONDS = 30.0
 _ACKNOWLEDGE_SECONDS = 10.0
 
 
@@ -29,7 +27,7 @@ class ConductorError(DpError):
 
 
 class Conductor:
-    """Sails the simulator from event to event; what an event asks is confirmed before time goes on.
+    """Sails the simulator of an active graph from event to event; what an event asks is confirmed before time goes on.
 
     Parameters
     ----------
@@ -37,33 +35,22 @@ class Conductor:
         Node to act through.
     scenario
         What to play.
-    nodes
-        Names of the nodes that must be active.
     """
 
-    def __init__(self, operator: Operator, scenario: Scenario, nodes: tuple[str, ...]) -> None:
+    def __init__(self, operator: Operator, scenario: Scenario) -> None:
         self._operator = operator
         self._scenario = scenario
-        self._nodes = nodes
         node = operator.node
         self._advance = node.create_client(Advance, "vessel_sim/advance")
         self._setpoint = node.create_publisher(PoseStamped, "setpoint", RING_PUBLISHER)
         self._joystick = node.create_publisher(WrenchStamped, "joystick", RING_PUBLISHER)
         self._path = node.create_publisher(PathMessage, "path", RING_PUBLISHER)
+        # With the history that the controller keeps: its answer may be out before it has heard of this subscription.
+        node.create_subscription(ControllerStatus, "controller_status", self._note_status, RING_PUBLISHER)
+        self._awaited: int | None = None
         self._answers: list[ControllerStatus] = []
         self._parameters: dict[str, RemoteParameters] = {}
-
-    def wait_for_graph(self) -> None:
-        """Wait until every node is active. Raises NoAnswerError, naming the one that is not."""
-        for name in self._nodes:
-            client = self._operator.node.create_client(GetState, f"{name}/get_state")
-
-            def active(client: Any = client, name: str = name) -> bool:
-                answer = self._operator.call(client, GetState.Request(), _START_SECONDS, f"the state of {name}")
-                return bool(answer.current_state.id == State.PRIMARY_STATE_ACTIVE)
-
-            self._operator.wait_until(active, _START_SECONDS, f"node {name} to become active")
-            self._operator.node.destroy_client(client)
+        self._reached = 0.0
 
     def play(self, progress: Callable[[float], None]) -> None:
         """Play the whole scenario; ``progress`` is told the simulated time (s) now and then.
@@ -75,7 +62,7 @@ class Conductor:
         NoAnswerError
             If a node does not answer.
         """
-        clock = ClockReader()
+        clock = ClockReader(self._operator.node.get_namespace())
         try:
             self._play(clock, progress)
         finally:
@@ -88,11 +75,11 @@ class Conductor:
         self._sail_until(self._scenario.duration, clock, progress)
 
     def _sail_until(self, until: float, clock: ClockReader, progress: Callable[[float], None]) -> None:
-        if until <= 0.0:
-            return
+        if until <= self._reached:
+            return  # several events at one time
         request = Advance.Request(until=float(until))
         client = self._advance
-        self._operator.wait_until(client.service_is_ready, _START_SECONDS, "service vessel_sim/advance")
+        self._operator.wait_until(client.service_is_ready, START_SECONDS, "service vessel_sim/advance")
         future = client.call_async(request)
 
         def done() -> bool:
@@ -103,6 +90,7 @@ class Conductor:
         answer = future.result()
         if not answer.success:
             raise ConductorError(f"at {clock.time():.1f} s: vessel_sim: {answer.message}")
+        self._reached = until
 
     def _perform(self, event: Event) -> None:
         for node, values in event.parameters.items():
@@ -121,33 +109,29 @@ class Conductor:
             self._confirm(self._path, path, "setpoint", stamp)
 
     def _note_status(self, message: ControllerStatus) -> None:
-        self._answers.append(message)
+        # Samples have stamps of their own; only the answer to an input carries the stamp of the input.
+        if to_nanoseconds(message.header.stamp) == self._awaited:
+            self._answers.append(message)
 
     def _confirm(self, publisher: Any, message: Any, kind: str, stamp: int) -> None:
         """Publish an operator input, and wait until the controller says that it has it."""
-        node = self._operator.node
-        # Only listened to while an acknowledgement is awaited: a conductor must not slow the ring down.
-        subscription = node.create_subscription(ControllerStatus, "controller_status", self._note_status, RING)
-        try:
-            self._operator.wait_until(
-                lambda: publisher.get_subscription_count() > 0 and subscription.get_publisher_count() > 0,
-                _START_SECONDS,
-                f"dp_controller to listen for a {kind}",
-            )
-            self._answers.clear()
-            publisher.publish(message)
+        self._operator.wait_until(
+            lambda: publisher.get_subscription_count() > 0, START_SECONDS, f"dp_controller to listen for a {kind}"
+        )
+        self._answers.clear()
+        self._awaited = stamp
+        publisher.publish(message)
 
-            def confirmed() -> bool:
-                for answer in self._answers:
-                    if answer.message.startswith("refused"):
-                        raise ConductorError(f"{kind} at {stamp * 1e-9:.1f} s: {answer.message}")
-                    if to_nanoseconds(getattr(answer, f"{kind}_stamp")) == stamp:
-                        return True
-                return False
+        def confirmed() -> bool:
+            for answer in self._answers:
+                if to_nanoseconds(getattr(answer, f"{kind}_stamp")) == stamp:
+                    return True
+                if answer.message.startswith("refused"):
+                    raise ConductorError(f"{kind} at {stamp * 1e-9:.1f} s: {answer.message}")
+            return False
 
-            self._operator.wait_until(confirmed, _ACKNOWLEDGE_SECONDS, f"dp_controller to accept the {kind}")
-        finally:
-            node.destroy_subscription(subscription)
+        self._operator.wait_until(confirmed, _ACKNOWLEDGE_SECONDS, f"dp_controller to accept the {kind}")
+        self._awaited = None
 
 
 def _pose(stamp: int, position: tuple[float, float, float]) -> PoseStamped:

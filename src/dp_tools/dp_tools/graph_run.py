@@ -6,17 +6,19 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from dp_tools.conductor import Conductor
+from dp_tools.graph_nodes import NODES, START_SECONDS, is_there, present, unheard, wait_until_active
+from dp_tools.interrupts import Interrupts
 from dp_tools.operator_node import Operator, operator
+from dp_tools.parameter_service import read_parameter_file
 from dp_tools.processes import Child, Children
+from dp_tools.recorder import RECORDER_EARS
 from dp_tools.run_files import Pace, RunFolder, start_parameters, write_start_parameters
 from dp_tools.scenario import Scenario
-from dp_tools.workspace import RING_PACKAGES, SIMULATOR_PACKAGE, executable
+from dp_tools.workspace import executable, share
 from marine_model.errors import DpError
-
-_RECORDER = "recorder"
-_RECORDER_SECONDS = 20.0
 
 
 class GraphRunningError(DpError):
@@ -66,93 +68,94 @@ class GraphRun:
         progress: Callable[[float], None],
         arrived: Callable[[Sequence[Child]], None] = lambda running: None,
     ) -> None:
-        """Run to the end of the scenario, or until KeyboardInterrupt.
+        """Run to the end of the scenario, or until interrupted.
 
         ``say`` is told what begins, ``progress`` the simulated time (s) now and then, and ``arrived`` the processes
         of the graph when the scenario has been played and before any of them is stopped.
 
         Raises
         ------
+        GraphRunningError
+            If the graph runs already.
         DpError
             If a process dies or refuses to start, or a node does not answer; everything is stopped first.
+        KeyboardInterrupt
+            On SIGINT, SIGTERM or SIGHUP; everything is stopped first.
         """
-        write_start_parameters(
-            self.folder,
-            start_parameters(self.vessel, self.scenario, self.pace, hold=self.scenario is not None),
-        )
         children = Children(self.folder.logs)
         recorders: list[Child] = []
         problems: list[str] = []
-        try:
-            with operator(self.namespace) as one:
-                self._refuse_company(one)
-                one.watch = children.check
-                if self.record:
-                    recorders.append(self._start_recorder(children))
-                    one.wait_until(
-                        lambda: _RECORDER in one.node.get_node_names(),
-                        _RECORDER_SECONDS,
-                        "the recorder",
-                    )
-                say("starting nodes")
-                self._start_nodes(children)
-                self._conduct(one, say, progress)
-                arrived(children.running)
-        finally:
-            # The recorder goes last, so that it has what the nodes said on their way out.
-            nodes = [child for child in children.all if child not in recorders]
-            problems += children.stop(nodes)
-            problems += children.stop()
+        with Interrupts() as interrupts:
+            try:
+                with operator(self.namespace) as one:
+                    self._refuse_company(one)
+                    write_start_parameters(self.folder, self._start_parameters())
+                    one.watch = children.check
+                    if self.record:
+                        say("starting recorder")
+                        with interrupts.held_back():
+                            recorders.append(self._start_recorder(children))
+                        one.wait_until(lambda: is_there(one, RECORDER_EARS), START_SECONDS, "the recorder")
+                    say("starting nodes")
+                    with interrupts.held_back():
+                        self._start_nodes(children)
+                    wait_until_active(one)
+                    if self.record:
+                        one.wait_until(lambda: not unheard(one, RECORDER_EARS), START_SECONDS, "the recorder to listen")
+                    self._conduct(one, say, progress)
+                    arrived(children.running)
+            finally:
+                # However often somebody asks for it: nothing is left running.
+                with interrupts.ignored():
+                    if children.all:
+                        say("stopping")
+                    # The recorder goes last, so that it has what the nodes said on their way out.
+                    nodes = [child for child in children.all if child not in recorders]
+                    problems += children.stop(nodes)
+                    problems += children.stop()
         if problems:
             raise UncleanStopError("\n".join(problems))
 
     def _refuse_company(self, one: Operator) -> None:
         """Raise GraphRunningError if nodes of our names are there already: two graphs would mix their messages."""
-        namespace = one.node.get_namespace()
-        ours = (*RING_PACKAGES, SIMULATOR_PACKAGE)
-
-        def present() -> list[str]:
-            found = one.node.get_node_names_and_namespaces()
-            return sorted(name for name, place in found if place == namespace and name in ours)
-
-        found = one.settled(present, quiet=0.5)
+        found = one.settled(lambda: present(one), quiet=0.5)
         if found:
             domain = os.environ.get("ROS_DOMAIN_ID", "0")
             raise GraphRunningError(
-                f"ROS domain {domain}, namespace {namespace}: expected no graph, found {', '.join(found)} running; "
-                "stop it, or choose another --namespace or ROS_DOMAIN_ID"
+                f"ROS domain {domain}, namespace {one.node.get_namespace()}: expected no graph, found "
+                f"{', '.join(found)} running; stop it, or choose another --namespace or ROS_DOMAIN_ID"
             )
 
+    def _start_parameters(self) -> dict[str, dict[str, Any]]:
+        # Without a scenario it is the graph that the launch file starts.
+        base = read_parameter_file(share("dp_bringup") / "config" / "defaults.yaml") if self.scenario is None else {}
+        own = start_parameters(self.vessel, self.scenario, self.pace, hold=self.scenario is not None)
+        return {node: base.get(node, {}) | values for node, values in own.items()}
+
     def _conduct(self, one: Operator, say: Callable[[str], None], progress: Callable[[float], None]) -> None:
-        nodes = (*RING_PACKAGES, SIMULATOR_PACKAGE)
         if self.scenario is None:
             say("running; Ctrl-C stops")
             one.wait_until(lambda: False, None, "Ctrl-C")
             return
-        conductor = Conductor(one, self.scenario, nodes)
-        conductor.wait_for_graph()
         say("sailing")
-        conductor.play(progress)
+        Conductor(one, self.scenario).play(progress)
 
-    def _arguments(self) -> list[str | Path]:
-        arguments: list[str | Path] = ["--ros-args", "--params-file", self.folder.parameters]
-        if self.namespace:
-            arguments += ["-r", f"__ns:=/{self.namespace.strip('/')}"]
-        return arguments
+    def _names(self) -> list[str | Path]:
+        return ["-r", f"__ns:=/{self.namespace.strip('/')}"] if self.namespace else []
 
     def _start_nodes(self, children: Children) -> None:
-        packages = (*RING_PACKAGES, SIMULATOR_PACKAGE)
+        arguments = ["--ros-args", "--params-file", self.folder.parameters, *self._names()]
         if self.composed:
-            children.start("composed", [executable("dp_tools", "composed"), *self._arguments()])
+            children.start("composed", [executable("dp_tools", "composed"), *arguments])
             return
-        for package in packages:
-            children.start(package, [executable(package, "node"), *self._arguments()])
+        for package in NODES:
+            children.start(package, [executable(package, "node"), *arguments])
 
     def _start_recorder(self, children: Children) -> Child:
         parameters = {"output": str(self.folder.bag), "vessel": self.vessel, "overwrite": str(self.overwrite).lower()}
         if self.scenario is not None:
             parameters["scenario"] = str(self.scenario.path)
-        arguments: list[str | Path] = [executable("dp_tools", _RECORDER), "--ros-args"]
+        arguments: list[str | Path] = [executable("dp_tools", "recorder"), "--ros-args", *self._names()]
         for name, value in parameters.items():
             arguments += ["-p", f"{name}:={value}"]
-        return children.start(_RECORDER, arguments)
+        return children.start("recorder", arguments)

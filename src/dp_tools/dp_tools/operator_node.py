@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
-import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import rclpy
+from rclpy.exceptions import InvalidNamespaceException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
+from rclpy.validate_namespace import validate_namespace
 
 from dp_node import RingExecutor
 from marine_model.errors import DpError
@@ -22,6 +23,10 @@ T = TypeVar("T")
 
 class NoAnswerError(DpError):
     """A node or service did not answer within its time."""
+
+
+class NamespaceError(DpError):
+    """A namespace is not one that ROS knows."""
 
 
 class Operator:
@@ -77,13 +82,15 @@ class Operator:
 
 @contextmanager
 def operator(namespace: str = "") -> Iterator[Operator]:
-    """Make an operator node, and close it in the end."""
-    # Ctrl-C stays Python's KeyboardInterrupt, so that children can be stopped in order; SIGTERM means the same. It is
-    # set anew because a process in the background of a script starts with SIGINT ignored.
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.default_int_handler)
+    """Make an operator node, and close it in the end. Raises NamespaceError."""
+    # Ctrl-C stays Python's KeyboardInterrupt, so that children can be stopped in order.
+    full = f"/{namespace.strip('/')}"
+    try:
+        validate_namespace(full)
+    except InvalidNamespaceException as error:
+        raise NamespaceError(f"namespace: expected one such as 'ship' or 'fleet/ship', found '{namespace}'") from error
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node(f"dp_operator_{os.getpid()}", namespace=namespace or None)
+    node = rclpy.create_node(f"dp_operator_{os.getpid()}", namespace=full)
     one = Operator(node)
     try:
         yield one

@@ -10,7 +10,7 @@ import numpy as np
 from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback
 from geometry_msgs.msg import WrenchStamped
 
-from dp_node import DpNode, Health, Level, StampSequence, run_node
+from dp_node import Health, Level, RingNode, StampSequence, run_node
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME
@@ -48,7 +48,7 @@ class _Tally:
         self.longest = max(self.longest, result.solve_time)
 
 
-class AllocatorNode(DpNode[AllocatorSettings]):
+class AllocatorNode(RingNode[AllocatorSettings]):
     """Answers every tau_desired with a thruster_command, tau_achieved and allocation_status of the same stamp."""
 
     def __init__(self, **kwargs: Any) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from dp_msgs.msg import ActuatorSetpoint, ThrusterFeedback
 from dp_msgs.msg import ThrusterCommand as ThrusterCommandMessage
 
-from dp_node import DpNode, Health, Level, StampSequence, from_nanoseconds, run_node, to_nanoseconds
+from dp_node import Health, Level, RingNode, StampSequence, from_nanoseconds, run_node, to_nanoseconds
 from dp_node.stamps import seconds_between
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME
@@ -36,7 +36,7 @@ _MEANING = {
 }
 
 
-class DriversNode(DpNode[DriverSettings]):
+class DriversNode(RingNode[DriverSettings]):
     """Answers every thruster_feedback with an actuator_setpoint, every thruster_command with the last one again."""
 
     def __init__(self, **kwargs: Any) -> None:

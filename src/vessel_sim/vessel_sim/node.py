@@ -14,9 +14,10 @@ from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseWithCovarianceStamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from pydantic import model_validator
+from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
-from dp_node import DpNode, Health, Level, from_nanoseconds, run_node, to_nanoseconds
+from dp_node import RING, RING_LOCKSTEP, DpNode, Health, Level, from_nanoseconds, run_node, to_nanoseconds
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
@@ -78,6 +79,11 @@ class VesselSimNode(DpNode[NodeSettings]):
         """Return the settings that hold when no parameter overrides them."""
         return NodeSettings()
 
+    @property
+    def hearing(self) -> QoSProfile:
+        """Answers sent before the drivers knew this node as well, in lockstep: it waits for each of them."""
+        return RING_LOCKSTEP if self.settings.lockstep else RING
+
     def build(self) -> None:
         """Make the core at simulated time 0, and its topics."""
         vessel = self.vessel
@@ -101,7 +107,7 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._make_messages()
         self._publish_pose = self.publish_on(PoseWithCovarianceStamped, "pose")
         self._publish_feedback = self.publish_on(ThrusterFeedback, "thruster_feedback")
-        self._publish_clock = self.publish_on(Clock, "/clock")
+        self._publish_clock = self.publish_on(Clock, "clock")  # /clock, unless in a namespace
         self._publish_truth = self.publish_on(Odometry, "truth")
         self._publish_environment = self.publish_on(WrenchStamped, "environment_force")
         self.listen(ActuatorSetpoint, "actuator_setpoint", self._on_setpoint)

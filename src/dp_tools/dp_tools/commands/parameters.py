@@ -11,7 +11,8 @@ from rcl_interfaces.msg import ParameterDescriptor, ParameterType
 from rich.markup import escape
 from rich.table import Table
 
-from dp_tools.commands.root import console
+from dp_tools.commands.root import Namespace, console
+from dp_tools.graph_nodes import present
 from dp_tools.operator_node import Operator, operator
 from dp_tools.parameter_service import (
     RemoteParameters,
@@ -19,12 +20,10 @@ from dp_tools.parameter_service import (
     read_parameter_file,
     to_parameter_file,
 )
-from dp_tools.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
 
 parameters_app = typer.Typer(help="Read and change parameters of running nodes.", no_args_is_help=True)
 
-Namespace = Annotated[str, typer.Option(help="Namespace of the graph.")]
-NodeName = Annotated[str, typer.Argument(help="Node, e.g. thrust_allocator.")]
+NodeName = Annotated[str, typer.Argument(metavar="NODE", help="Node, e.g. thrust_allocator.")]
 _TYPES = {
     getattr(ParameterType, name): name.removeprefix("PARAMETER_").lower()
     for name in dir(ParameterType)
@@ -34,7 +33,7 @@ _TYPES = {
 
 @parameters_app.command("list")
 def list_parameters(
-    node: Annotated[str, typer.Argument(help="Node; all of the graph if left out.")] = "",
+    node: Annotated[str, typer.Argument(metavar="NODE", help="All of the graph if left out.")] = "",
     namespace: Namespace = "",
 ) -> None:
     """List parameters with value, range or type, and meaning."""
@@ -58,7 +57,9 @@ def list_parameters(
 
 @parameters_app.command()
 def get(
-    node: NodeName, names: Annotated[list[str], typer.Argument(help="Parameters.")], namespace: Namespace = ""
+    node: NodeName,
+    names: Annotated[list[str], typer.Argument(metavar="NAME...", help="Parameters.")],
+    namespace: Namespace = "",
 ) -> None:
     """Print values, one a line."""
     with operator(namespace) as one:
@@ -69,7 +70,7 @@ def get(
 @parameters_app.command("set", context_settings={"ignore_unknown_options": True})
 def set_parameters(
     node: NodeName,
-    pairs: Annotated[list[str], typer.Argument(help="NAME VALUE [NAME VALUE ...]; values in YAML.")],
+    pairs: Annotated[list[str], typer.Argument(metavar="NAME VALUE...", help="Pairs; values in YAML.")],
     namespace: Namespace = "",
 ) -> None:
     """Set parameters of one node, all or none; a refusal gives the node's reason."""
@@ -84,8 +85,10 @@ def set_parameters(
 
 @parameters_app.command()
 def dump(
-    nodes: Annotated[list[str] | None, typer.Argument(help="Nodes; all of the graph if left out.")] = None,
-    output: Annotated[Path | None, typer.Option(help="File to write; standard output if left out.")] = None,
+    nodes: Annotated[list[str] | None, typer.Argument(metavar="NODE...", help="All of the graph if left out.")] = None,
+    output: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="File to write; standard output if left out.")
+    ] = None,
     namespace: Namespace = "",
 ) -> None:
     """Write all parameters as a ROS parameter file (for --params-file, ros2 param load, dp param load)."""
@@ -98,7 +101,9 @@ def dump(
 
 
 @parameters_app.command()
-def load(file: Annotated[Path, typer.Argument(help="ROS parameter file.")], namespace: Namespace = "") -> None:
+def load(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="ROS parameter file.")], namespace: Namespace = ""
+) -> None:
     """Set the parameters of a file, node by node, each node's all or none; read-only ones must agree."""
     values = read_parameter_file(file)
     with operator(namespace) as one:
@@ -108,15 +113,8 @@ def load(file: Annotated[Path, typer.Argument(help="ROS parameter file.")], name
 
 
 def _running(one: Operator) -> list[str]:
-    known = (*RING_PACKAGES, SIMULATOR_PACKAGE)
-    namespace = one.node.get_namespace()
-
-    def present() -> list[str]:
-        pairs = one.node.get_node_names_and_namespaces()
-        return [name for name in known if (name, namespace) in pairs]
-
-    one.wait_until(lambda: bool(present()), 3.0, f"a node of the graph in namespace {namespace}")
-    return one.settled(present)
+    one.wait_until(lambda: bool(present(one)), 3.0, f"a node of the graph in namespace {one.node.get_namespace()}")
+    return one.settled(lambda: present(one))
 
 
 def _text(value: Any) -> str:

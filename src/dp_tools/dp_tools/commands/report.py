@@ -11,14 +11,18 @@ from dp_tools.commands.root import console
 
 
 def report(
-    bag: Annotated[Path, typer.Argument(help="Folder of a recording, or its .mcap file.")],
+    bag: Annotated[Path, typer.Argument(metavar="BAG", help="Folder of a recording, or its .mcap file.")],
     output: Annotated[
-        Path | None, typer.Option(help="Folder for report.html and figures.json; beside the bag if left out.")
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Folder for report.html and figures.json; beside the bag if left out."),
     ] = None,
     picture: Annotated[
-        Path | None, typer.Option(help="Write one PNG with position, directions and power as well, e.g. for a page.")
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Write one PNG with position, directions and power as well, e.g. for a page."
+        ),
     ] = None,
-    vessel: Annotated[str, typer.Option(help="Vessel, name or file, for a recording that holds none.")] = "",
+    vessel: Annotated[str, typer.Option(metavar="NAME|FILE", help="Vessel, for a recording that holds none.")] = "",
 ) -> None:
     """Write report.html and figures.json from a recording."""
     write_and_tell(bag, output or bag.absolute().parent, picture, vessel)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -12,19 +13,23 @@ from marine_model.errors import DpError
 console = Console()
 error_console = Console(stderr=True)
 
+Namespace = Annotated[str, typer.Option(metavar="NAME", help="Namespace of the graph.")]
+
 app = typer.Typer(
     name="dp",
     help="Run, steer, record and report on the dynamic-positioning graph.",
     no_args_is_help=True,
+    # It would write to the user's shell files.
+    add_completion=False,
     pretty_exceptions_show_locals=False,
 )
 
 
 def main() -> None:
-    """Run the command; an error of ours is one plain text and exit code 1, never a traceback."""
+    """Run the command; an error of ours is plain text and exit code 1, never a traceback."""
     try:
         app()
     except DpError as error:
-        error_console.print(f"[bold red]error:[/] {type(error).__name__}", highlight=False)
+        error_console.print("[bold red]error:[/]", highlight=False, end=" ")
         error_console.print(str(error), markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)

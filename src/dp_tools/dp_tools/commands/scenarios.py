@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import typer
 from rich.table import Table
 
@@ -22,7 +24,7 @@ def list_scenarios() -> None:
 
 
 @scenario_app.command("check")
-def check_scenario(name_or_path: str) -> None:
+def check_scenario(scenario: Annotated[str, typer.Argument(metavar="NAME|FILE", help="Scenario.")]) -> None:
     """Check a scenario file; every problem is shown with file, line and field."""
-    scenario = load_scenario(name_or_path)
-    console.print(f"{scenario.name}: valid, {len(scenario.events)} events in {scenario.duration:g} s", markup=False)
+    found = load_scenario(scenario)
+    console.print(f"{found.name}: valid, {len(found.events)} events in {found.duration:g} s", markup=False)

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rich.table import Table
 
-from dp_tools.commands.root import console
+from dp_tools.commands.root import Namespace, console
 from dp_tools.message_types import message_class
 from dp_tools.operator_node import operator
 
@@ -19,9 +19,11 @@ _HIDDEN = ("/rosout", "/parameter_events")
 
 
 def topics(
-    rate: Annotated[float, typer.Option(help="Listen for so many seconds and show messages a second.", min=0.0)] = 0.0,
-    every: Annotated[bool, typer.Option("--all", help="Show rosout and parameter events as well.")] = False,
-    namespace: Annotated[str, typer.Option(help="Namespace of the graph.")] = "",
+    rate: Annotated[
+        float, typer.Option(metavar="SECONDS", help="Listen for so many seconds and show messages a second.", min=0.0)
+    ] = 0.0,
+    every: Annotated[bool, typer.Option("--all", metavar="", help="Show rosout and parameter events as well.")] = False,
+    namespace: Namespace = "",
 ) -> None:
     """List topics with type, publishers and subscribers."""
     with operator(namespace) as one:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -10,69 +12,90 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from dp_tools.commands.report import write_and_tell
-from dp_tools.commands.root import console
+from dp_tools.commands.root import Namespace, console, error_console
 from dp_tools.graph_run import GraphRun
+from dp_tools.processes import Child
 from dp_tools.run_files import Pace, RunFolder
 from dp_tools.scenario import Scenario, load_scenario
 from marine_model import load_vessel
 
+INTERRUPTED = 130  # as shells say for a command that Ctrl-C ended
+
 
 def up(
     scenario: Annotated[
-        str, typer.Option(help="Scenario to play: a name (dp scenario list) or a file. Without one, run until Ctrl-C.")
+        str,
+        typer.Option(metavar="NAME|FILE", help="Scenario to play (dp scenario list). Without one, run until Ctrl-C."),
     ] = "",
-    vessel: Annotated[str, typer.Option(help="Vessel: a name or a file. Overrides the scenario's.")] = "",
-    record: Annotated[bool, typer.Option("--record", help="Record every topic to an MCAP bag.")] = False,
-    report: Annotated[bool, typer.Option("--report", help="Write the report in the end; needs --record.")] = False,
+    vessel: Annotated[str, typer.Option(metavar="NAME|FILE", help="Vessel instead of the scenario's.")] = "",
+    record: Annotated[bool, typer.Option("--record", metavar="", help="Record every topic to an MCAP bag.")] = False,
+    report: Annotated[
+        bool, typer.Option("--report", metavar="", help="Write the report in the end; needs --scenario and --record.")
+    ] = False,
     lockstep: Annotated[
-        bool, typer.Option("--lockstep", help="The simulator waits for the ring: repeatable to the bit.")
+        bool,
+        typer.Option("--lockstep", metavar="", help="The simulator waits for the ring: repeatable to the bit."),
     ] = False,
     rate: Annotated[
         float | None,
         typer.Option(
-            help="Simulated seconds a wall second; 0: no limit, with --lockstep only. Default 1, 0 with --lockstep.",
+            metavar="NUMBER",
+            help="Simulated seconds a wall second. 1 if left out; with --lockstep 0, which is no limit.",
             min=0.0,
         ),
     ] = None,
-    composed: Annotated[bool, typer.Option("--composed", help="All nodes in one process.")] = False,
-    namespace: Annotated[str, typer.Option(help="Namespace of the whole graph.")] = "",
-    output: Annotated[Path | None, typer.Option(help="Folder of the run; runs/<scenario> if left out.")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a recording that is there.")] = False,
+    composed: Annotated[bool, typer.Option("--composed", metavar="", help="All nodes in one process.")] = False,
+    namespace: Namespace = "",
+    output: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder of the run; runs/<scenario> if left out.")
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", metavar="", help="Replace a recording that is there.")
+    ] = False,
 ) -> None:
-    """Start the graph, play a scenario if one is given, and stop everything in the end."""
-    chosen = load_scenario(scenario) if scenario else None
-    if report and (chosen is None or not record):
+    """Start the graph, play a scenario if one is given, and stop everything in the end.
+
+    Exit code 0 if the scenario was played to its end, or the graph ran without one until Ctrl-C; 1 if something went
+    wrong, e.g. a node died; 130 if Ctrl-C or SIGTERM cut the scenario short.
+    """
+    if report and not (scenario and record):
         raise typer.BadParameter("--report needs --scenario and --record")
     if rate is None:
         rate = 0.0 if lockstep else 1.0
     if rate == 0.0 and not lockstep:
         raise typer.BadParameter("--rate 0 (no limit) needs --lockstep")
+    chosen = load_scenario(scenario, load_vessel(vessel) if vessel else None) if scenario else None
     vessel_name = vessel or (chosen.vessel if chosen else "cybership3")
     load_vessel(vessel_name)
     folder = RunFolder((output or Path("runs") / (chosen.name if chosen else "up")).absolute())
     folder.prepare(overwrite or not record)
     run = GraphRun(folder, vessel_name, chosen, Pace(lockstep, rate), record, composed, namespace, overwrite)
-    started = time.monotonic()
     if chosen is None:
-        try:
+        with suppress(KeyboardInterrupt):  # the way to stop it
             run.sail(console.print, lambda simulated: None)
-        except KeyboardInterrupt:
-            console.print("stopped")
     else:
-        _sail_with_bar(run, chosen)
-        wall = time.monotonic() - started
-        console.print(f"sailed {chosen.duration:g} s in {wall:.1f} s, start and stop included")
-    if record:
-        console.print(f"bag     {folder.bag}", soft_wrap=True)
-    if report and chosen is not None:
+        try:
+            _sail_with_bar(run, chosen)
+        except KeyboardInterrupt:
+            error_console.print("interrupted; every process is stopped")
+            _tell_bag(run)
+            raise typer.Exit(INTERRUPTED) from None
+    _tell_bag(run)
+    if report:
         write_and_tell(folder.bag, folder.path)
 
 
+def _tell_bag(run: GraphRun) -> None:
+    if run.record and run.folder.bag.exists():
+        console.print(f"bag     {run.folder.bag}", soft_wrap=True)
+
+
 def _sail_with_bar(run: GraphRun, scenario: Scenario) -> None:
+    started = time.monotonic()
     columns = (
-        TextColumn("{task.description:16}"),
+        TextColumn("{task.description:<17}"),
         BarColumn(),
-        TextColumn("{task.completed:5.0f} of {task.total:.0f} s, {task.fields[speed]:.0f} x"),
+        TextColumn("{task.completed:5.0f} of {task.total:.0f} s, {task.fields[speed]:.3g} x"),
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
@@ -81,7 +104,7 @@ def _sail_with_bar(run: GraphRun, scenario: Scenario) -> None:
         begun: list[float] = []
 
         def say(text: str) -> None:
-            bar.update(task, description=f"{scenario.name}: {text}"[:28])
+            bar.update(task, description=text)
 
         def progress(simulated: float) -> None:
             now = time.monotonic()
@@ -90,5 +113,9 @@ def _sail_with_bar(run: GraphRun, scenario: Scenario) -> None:
             speed = simulated / max(now - begun[0], 1e-3)
             bar.update(task, completed=simulated, speed=speed)
 
-        run.sail(say, progress)
-        bar.update(task, completed=scenario.duration)
+        def arrived(running: Sequence[Child]) -> None:
+            progress(scenario.duration)
+
+        run.sail(say, progress, arrived)
+    wall = time.monotonic() - started
+    console.print(f"sailed  {scenario.duration:g} s of {scenario.name} in {wall:.1f} s, start and stop included")

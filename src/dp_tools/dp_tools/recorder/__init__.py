@@ -1,1 +1,4 @@
 """Recording of a whole run to one MCAP bag that every ROS 2 tool opens."""
+
+# Name of the node that holds the recorder's subscriptions; hidden, as it is nobody's to talk to.
+RECORDER_EARS = "_recorder_ears"

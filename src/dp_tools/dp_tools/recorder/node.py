@@ -19,6 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from dp_node import RING, Health, Level, RingExecutor
 from dp_node.health import to_status
 from dp_node.run import Stop
+from dp_tools.recorder import RECORDER_EARS
 from dp_tools.recorder.bag_writer import BagWriter
 from dp_tools.recorder.errors import RecordingRefusedError, RecordingStoppedError
 from dp_tools.recorder.recorder import Recorder
@@ -74,9 +75,9 @@ class RecorderNode(Node):
         self.writer.describe(VERSIONS_RECORD, versions())
         # No executor serves this node: the recorder takes its messages itself.
         self.ears = Node(
-            "_recorder_ears", namespace=self.get_namespace(), start_parameter_services=False, enable_rosout=False
+            RECORDER_EARS, namespace=self.get_namespace(), start_parameter_services=False, enable_rosout=False
         )
-        self.recorder = Recorder(self.ears, self.writer, [topic for topic in topics if topic])
+        self.recorder = Recorder(self.ears, self.writer, [topic for topic in topics if topic], self.get_namespace())
         self._publisher = self.create_publisher(DiagnosticArray, "/diagnostics", RING)
         self.create_timer(1.0, self._publish_health)
 

@@ -17,6 +17,9 @@ from dp_tools.recorder.quality import DEPTH, describe_quality, matching_quality
 from dp_tools.recorder.schemas import DefinitionMissingError, full_definition
 from dp_tools.recorder.sequence import SequenceCounter
 
+# Absolute names: every node publishes there, whatever its namespace.
+_SHARED = frozenset(("/diagnostics", "/rosout", "/parameter_events"))
+
 
 @dataclass(slots=True)
 class _Topic:
@@ -48,12 +51,15 @@ class Recorder:
         The bag.
     wanted
         Topics to record, full names; empty for all but hidden ones.
+    namespace
+        Without ``wanted``: only topics below it, and those that all graphs share.
     """
 
-    def __init__(self, node: Node, writer: BagWriter, wanted: Sequence[str] = ()) -> None:
+    def __init__(self, node: Node, writer: BagWriter, wanted: Sequence[str] = (), namespace: str = "/") -> None:
         self._node = node
         self._writer = writer
         self._wanted = frozenset(wanted)
+        self._below = namespace.rstrip("/") + "/"
         self._topics: dict[str, _Topic] = {}
         self._refused: set[str] = set()
 
@@ -121,6 +127,8 @@ class Recorder:
     def _is_wanted(self, name: str) -> bool:
         if self._wanted:
             return name in self._wanted
+        if not name.startswith(self._below) and name not in _SHARED:
+            return False
         return not any(part.startswith("_") for part in name.split("/"))
 
     def _subscribe(self, name: str, kind: str, publishers: Sequence[Any]) -> None:
