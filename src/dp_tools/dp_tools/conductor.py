@@ -12,7 +12,7 @@ from lifecycle_msgs.msg import State
 from lifecycle_msgs.srv import GetState
 from nav_msgs.msg import Path as PathMessage
 
-from dp_node import RING, RING_PUBLISHER, from_nanoseconds, to_nanoseconds
+from dp_node import RING_PUBLISHER, from_nanoseconds, to_nanoseconds
 from dp_tools.clock_reader import ClockReader
 from dp_tools.operator_node import Operator
 from dp_tools.parameter_service import RemoteParameters
@@ -126,8 +126,11 @@ class Conductor:
     def _confirm(self, publisher: Any, message: Any, kind: str, stamp: int) -> None:
         """Publish an operator input, and wait until the controller says that it has it."""
         node = self._operator.node
-        # Only listened to while an acknowledgement is awaited: a conductor must not slow the ring down.
-        subscription = node.create_subscription(ControllerStatus, "controller_status", self._note_status, RING)
+        # Only listened to while an acknowledgement is awaited: a conductor must not slow the ring down. Transient local:
+        # the controller may have answered before it knows of this subscription.
+        subscription = node.create_subscription(
+            ControllerStatus, "controller_status", self._note_status, RING_PUBLISHER
+        )
         try:
             self._operator.wait_until(
                 lambda: publisher.get_subscription_count() > 0 and subscription.get_publisher_count() > 0,
@@ -139,6 +142,8 @@ class Conductor:
 
             def confirmed() -> bool:
                 for answer in self._answers:
+                    if to_nanoseconds(answer.header.stamp) != stamp:
+                        continue  # an older one
                     if answer.message.startswith("refused"):
                         raise ConductorError(f"{kind} at {stamp * 1e-9:.1f} s: {answer.message}")
                     if to_nanoseconds(getattr(answer, f"{kind}_stamp")) == stamp:
