@@ -1,1 +1,1 @@
-"""Speed and size of the stack, against its aims and its peers: `python -m benchmarks`, described in docs/benchmarks.md."""
+"""Speed and size of the stack, against aims and peers: `python -m benchmarks`, described in docs/benchmarks.md."""

@@ -1,9 +1,9 @@
 """Hop latency: from a demand that goes out to the command that answers it, through the real allocator in its process.
 
-A hop is measured in the client alone, as a round trip: from before `publish` of the request to the entry of the callback
-of the answer, in wall time of one clock. So it holds two messages between two processes and what the other process does.
-The peer is a process that does nothing but answer. Client, quality of service, message of the request and the moment are
-the same: blocks of requests go to the two in turn, each block with the other one idle.
+A hop is measured in the client alone, as a round trip: from before `publish` of the request to the entry of the
+callback of the answer, by one clock. So it holds two messages between two processes and what the other process does.
+The peer is a process that does nothing but answer. Client, quality of service, message of the request and the moment
+are the same: blocks of requests go to the two in turn, each block with the other one idle.
 """
 
 from __future__ import annotations

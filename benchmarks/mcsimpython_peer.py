@@ -45,8 +45,8 @@ class PeerMissingError(DpError):
 class VesselInWaves:
     """C/S Arctic Drillship, 3-DOF manoeuvring model, adrift in one regular wave component.
 
-    Per step: first- and second-order wave load of its transfer functions, then its step of the hull (explicit Euler, its
-    default and cheapest). No thrusters, observer, controller or allocator.
+    Per step: first- and second-order wave load of its transfer functions, then its step of the hull (explicit Euler,
+    its default and cheapest). No thrusters, observer, controller or allocator.
 
     Parameters
     ----------

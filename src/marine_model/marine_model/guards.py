@@ -26,7 +26,8 @@ def finite_vector(name: str, value: ArrayLike, length: int) -> FloatArray:
         raise InputError(f"{name}: expected {length} numbers, found {value!r}") from error
     if vector.shape != (length,):
         raise InputError(f"{name}: expected shape ({length},), found {vector.shape}")
-    if not np.isfinite(vector).all():
+    # A sum of finite numbers may overflow, one with a number that is not finite never is.
+    if not math.isfinite(vector.sum()) and not np.isfinite(vector).all():
         raise InputError(f"{name}: expected finite numbers, found {vector.tolist()}")
     return vector
 
