@@ -83,7 +83,7 @@ class RingExecutor(SingleThreadedExecutor):
             return
         if self._busy and now < self._next_wait:
             self._busy = self._serve_messages(self._message_wait_set, self._message_handles, 0)
-            if self._busy or self._stale:
+            if self._busy or self._is_outdated():
                 return
         self._next_wait = now + _MESSAGES_ALONE_NS
         wait_set = self._wait_set
@@ -91,7 +91,7 @@ class RingExecutor(SingleThreadedExecutor):
         self._busy = self._serve_messages(
             wait_set, self._handles, _FULL_PERIOD_NS if timeout < 0 else min(timeout, _FULL_PERIOD_NS)
         )
-        if self._stale:
+        if self._is_outdated():
             return
         for pointer in wait_set.get_ready_entities("timer"):
             self._call(self._timers[pointer])
@@ -105,6 +105,10 @@ class RingExecutor(SingleThreadedExecutor):
             self._next_wait = 0  # rclpy serves one at a time: look for the next at once
             super()._spin_once_impl(0.0, wait_condition)
 
+    def _is_outdated(self) -> bool:
+        """Return whether a callback made or destroyed an entity since the handles were gathered."""
+        return self._stale
+
     def _serve_messages(self, wait_set: Any, handles: Handles, timeout: int) -> bool:
         """Wait up to ``timeout`` ns, take what has come to subscriptions; return whether there was anything."""
         wait_set.clear_entities()
@@ -113,6 +117,8 @@ class RingExecutor(SingleThreadedExecutor):
         wait_set.wait(timeout)
         ready = wait_set.get_ready_entities("subscription")
         for pointer in ready:
+            if self._is_outdated():
+                break  # a callback before may have destroyed what comes next; it is looked for anew
             self._take(self._subscriptions[pointer])
         return bool(ready)
 
