@@ -15,14 +15,16 @@ from dp_tools.commands.root import Namespace, console
 from dp_tools.message_types import message_class
 from dp_tools.operator_node import operator
 
-_HIDDEN = ("/rosout", "/parameter_events")
+_HIDDEN = ("/rosout", "/parameter_events", "/transition_event")  # ends of names
 
 
 def topics(
     rate: Annotated[
         float, typer.Option(metavar="SECONDS", help="Listen for so many seconds and show messages a second.", min=0.0)
     ] = 0.0,
-    every: Annotated[bool, typer.Option("--all", metavar="", help="Show rosout and parameter events as well.")] = False,
+    every: Annotated[
+        bool, typer.Option("--all", metavar="", help="Show rosout, parameter and life-cycle events as well.")
+    ] = False,
     namespace: Namespace = "",
 ) -> None:
     """List topics with type, publishers and subscribers."""
@@ -43,13 +45,15 @@ def topics(
                 one.executor.spin_once(timeout_sec=0.05)
         table = Table()
         table.add_column("topic", no_wrap=True)
-        for title in ("type", "publishers", "subscribers", *(["Hz"] if rate else [])):
-            table.add_column(title, overflow="fold")
+        table.add_column("type", overflow="fold")
+        table.add_column("from → to", overflow="fold")
+        if rate:
+            table.add_column("Hz", justify="right")
         for topic, kind in found:
-            publishers = [e.node_name for e in one.node.get_publishers_info_by_topic(topic)]
-            subscribers = [e.node_name for e in one.node.get_subscriptions_info_by_topic(topic) if e.node_name != own]
-            row = [topic, kind, ", ".join(sorted(set(publishers))), ", ".join(sorted(set(subscribers)))]
-            table.add_row(*row, *([f"{counts[topic] / rate:.1f}"] if rate else []))
+            senders = {e.node_name for e in one.node.get_publishers_info_by_topic(topic)}
+            listeners = {e.node_name for e in one.node.get_subscriptions_info_by_topic(topic)} - {own}
+            way = f"{', '.join(sorted(senders))} → {', '.join(sorted(listeners)) or '–'}"
+            table.add_row(topic, kind.replace("/msg/", "/"), way, *([f"{counts[topic] / rate:.1f}"] if rate else []))
         console.print(table)
 
 
@@ -57,6 +61,6 @@ def _visible(node: Node, every: bool) -> list[tuple[str, str]]:
     return [
         (topic, kinds[0])
         for topic, kinds in sorted(node.get_topic_names_and_types())
-        if (every or topic not in _HIDDEN)
+        if (every or not topic.endswith(_HIDDEN))
         and any(e.node_name != node.get_name() for e in node.get_publishers_info_by_topic(topic))
     ]
