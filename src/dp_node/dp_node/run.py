@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Sequence
 from types import FrameType
 
@@ -80,9 +81,11 @@ def _close(executor: RingExecutor, nodes: list[Node]) -> None:
     for node in nodes:
         if isinstance(node, DpNode) and node.active:
             node.trigger_shutdown()
+    # All together: a reader that was killed never acknowledges, on any topic.
+    deadline = time.monotonic() + _ACKNOWLEDGE_SECONDS
     for node in nodes:
         for publisher in node.publishers:
-            publisher.wait_for_all_acked(Duration(seconds=_ACKNOWLEDGE_SECONDS))
+            publisher.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))
     executor.shutdown()
     for node in nodes:
         node.destroy_node()

@@ -15,8 +15,6 @@ from typing import IO
 from dp_node.run import PARENT_VARIABLE
 from marine_model.errors import DpError
 
-# A child has this long to end after SIGINT, then again after SIGTERM, before it is killed.
-_STOP_SECONDS = 5.0
 _TAIL_LINES = 8
 
 
@@ -41,6 +39,7 @@ class Child:
             start_new_session=True,
             env=os.environ | {PARENT_VARIABLE: str(os.getpid())},
         )
+        self.log_file = log_file
         self._log = log_file.open("w", encoding="utf-8")
         stream = self._process.stdout
         if stream is None:
@@ -65,9 +64,11 @@ class Child:
         return self._process.poll()
 
     def last_words(self) -> str:
-        """Return the last lines of output."""
+        """Return where all output is, and its last lines."""
         self._reader.join(timeout=1.0)
-        return "\n".join(f"    {line}" for line in self._tail)
+        if not self._tail:
+            return "without a word"
+        return "\n".join([f"its last words ({self.log_file}):", *(f"    {line}" for line in self._tail)])
 
     def request_stop(self, number: int = signal.SIGINT) -> None:
         """Ask the process to end."""
@@ -95,10 +96,13 @@ class Children:
     ----------
     log_folder
         One log file a process is written here.
+    patience
+        A process has this long to end after SIGINT, s; then again after SIGTERM, before it is killed.
     """
 
-    def __init__(self, log_folder: Path) -> None:
+    def __init__(self, log_folder: Path, patience: float = 5.0) -> None:
         self._folder = log_folder
+        self._patience = patience
         self._children: list[Child] = []
         log_folder.mkdir(parents=True, exist_ok=True)
 
@@ -123,7 +127,7 @@ class Children:
         for child in self._children:
             code = child.exit_code
             if code is not None:
-                raise ChildDiedError(f"{child.name} ended by itself ({explain_exit(code)}):\n{child.last_words()}")
+                raise ChildDiedError(f"{child.name} ended by itself ({explain_exit(code)}), {child.last_words()}")
 
     def stop(self, children: Sequence[Child] | None = None) -> list[str]:
         """Stop ``children`` (default: all): SIGINT, then SIGTERM, then SIGKILL; return what went wrong."""
@@ -136,14 +140,12 @@ class Children:
                 problems += [f"{child.name} did not stop and was killed" for child in remaining]
             for child in remaining:
                 child.request_stop(number)
-            deadline = time.monotonic() + _STOP_SECONDS
+            deadline = time.monotonic() + self._patience
             for child in remaining:
                 child.wait(deadline)
         for child in wanted:
             if child not in already_dead and child.exit_code not in (0, -signal.SIGKILL):
-                problems.append(
-                    f"{child.name} stopped with {explain_exit(child.exit_code or 0)}:\n{child.last_words()}"
-                )
+                problems.append(f"{child.name} stopped with {explain_exit(child.exit_code or 0)}, {child.last_words()}")
             child.close()
             self._children.remove(child)
         return problems

@@ -68,8 +68,8 @@ class Pace:
 def start_parameters(vessel: str, scenario: Scenario | None, pace: Pace, hold: bool) -> dict[str, dict[str, Any]]:
     """Return parameters by node: vessel, pace, and what the scenario says."""
     values: dict[str, dict[str, Any]] = {package: {"vessel": vessel} for package in (*RING_PACKAGES, SIMULATOR_PACKAGE)}
-    values["dp_observer"]["synchronous"] = pace.lockstep
-    values["dp_controller"]["synchronous"] = pace.lockstep
+    for package in RING_PACKAGES:
+        values[package]["synchronous"] = pace.lockstep
     values[SIMULATOR_PACKAGE] |= {"lockstep": pace.lockstep, "rate": float(pace.rate), "hold": hold}
     if scenario is not None:
         for node, own in scenario.start_parameters.items():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -14,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from dp_tools.commands.report import write_and_tell
 from dp_tools.commands.root import Namespace, console, error_console
 from dp_tools.graph_run import GraphRun
-from dp_tools.processes import Child
+from dp_tools.processes import Child, ChildDiedError
 from dp_tools.run_files import Pace, RunFolder
 from dp_tools.scenario import Scenario, load_scenario
 from marine_model import load_vessel
@@ -70,17 +69,21 @@ def up(
     folder = RunFolder((output or Path("runs") / (chosen.name if chosen else "up")).absolute())
     folder.prepare(overwrite or not record)
     run = GraphRun(folder, vessel_name, chosen, Pace(lockstep, rate), record, composed, namespace, overwrite)
-    if chosen is None:
-        with suppress(KeyboardInterrupt):  # the way to stop it
+    interrupted = False
+    try:
+        if chosen is None:
             run.sail(console.print, lambda simulated: None)
-    else:
-        try:
+        else:
             _sail_with_bar(run, chosen)
-        except KeyboardInterrupt:
-            error_console.print("interrupted; every process is stopped")
-            _tell_bag(run)
-            raise typer.Exit(INTERRUPTED) from None
+    except KeyboardInterrupt:
+        interrupted = True
+    except ChildDiedError:
+        _tell_bag(run)
+        raise
     _tell_bag(run)
+    if interrupted and chosen is not None:  # without a scenario it is the way to stop
+        error_console.print("interrupted; every process is stopped")
+        raise typer.Exit(INTERRUPTED)
     if report:
         write_and_tell(folder.bag, folder.path)
 
