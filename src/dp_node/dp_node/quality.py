@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-_DEPTH = 50
+# A publisher drops its oldest message once this many are not acknowledged, reliable or not. In lockstep a topic carries
+# over a thousand messages a second, and a recorder outside the ring may not get a processor for tens of milliseconds:
+# with 50, recordings of composed runs on a busy machine lacked up to a thousand messages of a topic; with 1000, none.
+_DEPTH = 1000
 
 # Data that travels round the ring: nothing may be lost, and a late reader does not want old samples.
 RING = QoSProfile(
