@@ -156,6 +156,7 @@ def record(node: RecorderNode, stop: Stop) -> None:
             if node.recorder.drain():
                 quiet = time.monotonic() + _QUIET
             time.sleep(_DRAIN)
+        node.recorder.settle()
     finally:
         executor.shutdown()
 

@@ -91,6 +91,8 @@ class Recorder:
             offered = [info.qos_profile for info in self._node.get_publishers_info_by_topic(topic.name)]
             if len(offered) > 1:
                 topic.sequence.several_publishers()
+            else:
+                topic.sequence.one_publisher()
             # Only ever weaker: asking for more again would bring latched messages a second time.
             quality = matching_quality([*offered, topic.quality])
             if quality != topic.quality:
@@ -100,6 +102,16 @@ class Recorder:
                 topic.subscription = self._node.create_subscription(
                     topic.message_class, topic.name, _never, quality, raw=True
                 )
+
+    def settle(self) -> None:
+        """Look at the number of publishers for the last time, so that the gaps found last are counted or forgotten."""
+        for topic in self._topics.values():
+            several = self._node.count_publishers(topic.name) > 1
+            for _ in range(2):
+                if several:
+                    topic.sequence.several_publishers()
+                else:
+                    topic.sequence.one_publisher()
 
     def drain(self) -> int:
         """Write everything that has arrived; return how many messages.
