@@ -30,6 +30,7 @@ _MEASUREMENTS: dict[str, tuple[str, Callable[[Plan], list[Result]]]] = {
 }
 # Tests take ROS domains up to 101. From 215 on the ports of a domain lie above Linux's ephemeral range.
 _DOMAIN = "220"
+_WIDTH = 160  # columns, where the output goes to no terminal
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -42,7 +43,7 @@ def main(arguments: Sequence[str]) -> int:
     os.environ.setdefault("ROS_DOMAIN_ID", _DOMAIN)
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
-    console = Console()
+    console = Console() if sys.stdout.isatty() else Console(width=_WIDTH)
     machine = describe_machine()
     print_machine(console, machine)
     results: list[Result] = []

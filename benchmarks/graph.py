@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import psutil
 
 from benchmarks.plan import Plan
-from benchmarks.result import Aim, Result
+from benchmarks.result import REAL_TIME, Aim, Result
 from benchmarks.statistics import summarize
 from dp_tools.graph_run import GraphRun
 from dp_tools.processes import Child
@@ -116,7 +116,7 @@ def _factor(name: str, voyages: Sequence[Voyage], aim: Aim | None) -> Result:
     return Result(
         name,
         summary.median,
-        "1",
+        REAL_TIME,
         aim=aim,
         note=f"median of {summary.count}, {summary.low:.1f} to {summary.high:.1f}; processor s: {spent}",
     )

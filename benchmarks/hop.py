@@ -50,7 +50,8 @@ class Line:
 
     def ready(self) -> bool:
         """Return whether both topics have their other end."""
-        return self._publisher.get_subscription_count() == 1 and self._subscription.get_publisher_count() == 1
+        ends = self._publisher.get_subscription_count(), self._subscription.get_publisher_count()
+        return bool(ends == (1, 1))
 
     def hop(self, request: Any) -> float:
         """Send a request and return the time to its answer, s.
@@ -108,7 +109,7 @@ def _servers(plan: Plan, one: Operator) -> Iterator[None]:
     """Start the two processes that answer, and stop them in the end."""
     children = Children(plan.scratch / "hop")
     one.watch = children.check
-    allocator = [executable("thrust_allocator", "node"), "--ros-args", "-p", f"vessel:={plan.vessel}"]
+    allocator: list[str | Path] = [executable("thrust_allocator", "node"), "--ros-args", "-p", f"vessel:={plan.vessel}"]
     try:
         children.start("thrust_allocator", [*allocator, "-p", "azimuth_mode:=rotating"])
         children.start("echo", [sys.executable, Path(echo_node.__file__)])

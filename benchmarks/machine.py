@@ -11,7 +11,7 @@ from typing import Any
 
 import psutil
 
-_DISTRIBUTIONS = ("numpy", "daqp", "ros-jazzy-rclpy", "ros-jazzy-rmw-fastrtps-cpp", "MCSimPython")
+_DISTRIBUTIONS = ("numpy", "daqp", "ros-jazzy-rclpy", "ros-fastrtps", "MCSimPython")
 
 
 def describe_machine() -> dict[str, Any]:

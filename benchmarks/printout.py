@@ -24,7 +24,7 @@ def print_machine(console: Console, machine: Mapping[str, Any]) -> None:
 
 def print_results(console: Console, title: str, results: Sequence[Result]) -> None:
     """Print the figures of one measurement, each with its note below."""
-    table = Table(title=title, title_justify="left", show_lines=False, caption_justify="left")
+    table = Table(title=title, title_justify="left")
     for header, side in (
         ("figure", "left"),
         ("value", "right"),
@@ -35,7 +35,9 @@ def print_results(console: Console, title: str, results: Sequence[Result]) -> No
         ("aim", "left"),
         ("met", "left"),
     ):
-        table.add_column(header, justify="right" if side == "right" else "left", overflow="fold")
+        table.add_column(
+            header, justify="right" if side == "right" else "left", overflow="fold", no_wrap=header == "figure"
+        )
     for result in results:
         table.add_row(
             result.name,

@@ -10,6 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+# Unit of a real-time factor: simulated seconds in a second.
+REAL_TIME = "x real time"
+
 
 @dataclass(frozen=True, slots=True)
 class Aim:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import time
+from pathlib import Path
 from typing import Any
 
 from geometry_msgs.msg import PoseWithCovarianceStamped
@@ -46,7 +47,15 @@ def _start(plan: Plan, name: str, options: list[str]) -> float:
         begin = time.perf_counter()
         try:
             # At the pace of a clock: nobody has to keep up with it while it is stopped.
-            command = [executable("dp_tools", "dp"), "up", "--lockstep", "--rate", "1", "--vessel", plan.vessel]
+            command: list[str | Path] = [
+                executable("dp_tools", "dp"),
+                "up",
+                "--lockstep",
+                "--rate",
+                "1",
+                "--vessel",
+                plan.vessel,
+            ]
             children.start("dp_up", [*command, "--output", path, *options])
             one.wait_until(lambda: bool(arrived), _SECONDS, "the first pose")
         finally:
