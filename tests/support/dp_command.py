@@ -77,7 +77,9 @@ class DpProcess:
             for child in psutil.Process(self._process.pid).children(recursive=True):
                 self._seen[child.pid] = child
                 with suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
-                    executable = next((Path(word) for word in child.cmdline() if "/lib/" in word and "python" not in word), None)
+                    executable = next(
+                        (Path(word) for word in child.cmdline() if "/lib/" in word and "python" not in word), None
+                    )
                     if executable is not None:
                         name = executable.parent.name if executable.name == "node" else executable.name
                         found[name] = child
@@ -124,7 +126,7 @@ def own_domain() -> Iterator[dict[str, str]]:
 
 
 def write_scenario(folder: Path, duration: float = 20.0, **fields: Any) -> Path:
-    """Write a scenario with waves, steps of the set point and a switch of the azimuth mode; ``fields`` replace its own."""
+    """Write a scenario with waves, steps of the set point and a switch of the azimuth mode, unless ``fields`` say else."""
     content: dict[str, Any] = {
         "name": "trial",
         "title": "Trial",

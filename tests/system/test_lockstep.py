@@ -43,7 +43,9 @@ def test_five_processes_and_one_send_the_same_bytes(bags: dict[str, Path]) -> No
     assert topics == repeatable(composed)
     for topic in topics:
         assert len(separate[topic]) == len(composed[topic]), topic
-        first = next((i for i, pair in enumerate(zip(separate[topic], composed[topic], strict=True)) if len(set(pair)) > 1), None)
+        first = next(
+            (i for i, pair in enumerate(zip(separate[topic], composed[topic], strict=True)) if len(set(pair)) > 1), None
+        )
         assert first is None, f"{topic}: message {first} differs"
 
 

@@ -1,0 +1,185 @@
+"""What `dp up` does when a process dies, somebody interrupts it, or there is no room for the recording."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from dp_msgs.msg import ThrusterFeedback
+
+from dp_node import RING
+from dp_tools.bag_reader import bag_file, read_bag
+from dp_tools.operator_node import operator
+from dp_tools.recorder.bag_writer import BagWriter
+from support.dp_command import DpProcess, dp, write_scenario
+
+pytestmark = [pytest.mark.timeout(240), pytest.mark.usefixtures("ros_domain_id")]
+
+NODES = ("vessel_sim", "dp_observer", "dp_controller", "thrust_allocator", "thruster_drivers")
+
+
+@pytest.fixture
+def scenario(tmp_path: Path) -> Path:
+    """Longer than any test waits; nothing happens in it."""
+    return write_scenario(tmp_path, 3600.0, events=[{"at": 0.0, "setpoint": [0.1, 0.0, 0.0]}])
+
+
+def up(scenario: Path, *more: str | Path, **options: Any) -> DpProcess:
+    # Paced, so that the test need not hurry.
+    return DpProcess(
+        *("up", "--scenario", scenario, "--lockstep", "--rate", "5", "--record", "--output", scenario.parent / "run"),
+        *more,
+        **options,
+    )
+
+
+def wait_until_under_way(process: DpProcess) -> dict[str, Any]:
+    """Wait until 2 s have been sailed, as anybody in the ROS domain can see; return the processes."""
+    with operator() as listener:
+        heard: list[ThrusterFeedback] = []
+        listener.node.create_subscription(ThrusterFeedback, "thruster_feedback", heard.append, RING)
+
+        def sails() -> bool:
+            listener.executor.spin_once(timeout_sec=0.05)
+            return len(heard) >= 100
+
+        process.wait_until(sails, "2 s to be sailed")
+    return process.children()
+
+
+def check_bag(scenario: Path) -> None:
+    """The recording is closed, and whole up to where it ends."""
+    folder = scenario.parent / "run" / "bag"
+    assert {path.name for path in folder.iterdir()} == {"bag_0.mcap", "metadata.yaml"}
+    run = read_bag(folder).run
+    assert len(run["power"].t) > 50
+    assert len(run["tau_achieved"].t) > 5
+
+
+@pytest.mark.parametrize("node", ["vessel_sim", "dp_controller", "thruster_drivers"])
+def test_a_node_that_is_killed_stops_the_run_and_is_named(scenario: Path, node: str) -> None:
+    with up(scenario) as process:
+        children = wait_until_under_way(process)
+        assert set(children) == {*NODES, "recorder"}
+        children[node].send_signal(signal.SIGKILL)
+        assert process.wait() == 1
+        assert f"error: {node} ended by itself (killed by SIGKILL)" in process.output
+        assert "Traceback" not in process.output
+        assert process.left_behind() == []
+    check_bag(scenario)
+
+
+def test_a_node_that_cannot_start_is_named_with_its_reason(tmp_path: Path) -> None:
+    """Settings that only the node itself can judge: the vessel has four thrusters."""
+    scenario = write_scenario(
+        tmp_path, 4.0, events=[], parameters={"thrust_allocator": {"thruster_enabled": [True, True]}}
+    )
+    with DpProcess("up", "--scenario", scenario, "--lockstep", "--output", tmp_path / "run") as process:
+        assert process.wait() == 1
+        assert "error: thrust_allocator ended by itself (exit code 1)" in process.output
+        assert "thruster_enabled: expected 4 elements" in process.output
+        assert str(tmp_path / "run" / "logs" / "thrust_allocator.log") in process.output
+
+
+def test_an_event_that_a_node_refuses_ends_the_run(tmp_path: Path) -> None:
+    refused = {"at": 1.0, "parameters": {"thrust_allocator": {"thruster_enabled": [True, True]}}}
+    scenario = write_scenario(tmp_path, 4.0, events=[refused])
+    code, output = dp("up", "--scenario", scenario, "--lockstep", "--composed", "--output", tmp_path / "run")
+    assert code == 1
+    assert "error: node thrust_allocator: thruster_enabled: expected 4 elements" in output
+
+
+@pytest.mark.parametrize(
+    ("number", "how", "processes"),
+    [(signal.SIGINT, (), {*NODES, "recorder"}), (signal.SIGTERM, ("--composed",), {"composed", "recorder"})],
+)
+def test_an_interrupt_leaves_a_whole_recording_and_no_process(
+    scenario: Path, number: signal.Signals, how: tuple[str, ...], processes: set[str]
+) -> None:
+    with up(scenario, *how) as process:
+        assert set(wait_until_under_way(process)) == processes
+        process.signal(number)
+        assert process.wait() == 130
+        assert "interrupted; every process is stopped" in process.output
+        assert f"{scenario.parent}/run/bag" in process.output
+        assert "Traceback" not in process.output
+        assert process.left_behind() == []
+    check_bag(scenario)
+
+
+def test_an_interrupt_while_nodes_are_starting(scenario: Path) -> None:
+    with up(scenario) as process:
+        process.wait_until(lambda: len(process.children()) >= 3, "processes to start")
+        process.signal(signal.SIGINT)
+        # Who is impatient asks again.
+        process.wait_until(lambda: "stopping" in process.output or not process.running, "the stop")
+        process.signal(signal.SIGINT)
+        assert process.wait() == 130
+        assert process.left_behind() == []
+
+
+# Recording -----------------------------------------------------------------------------------------------------------
+
+
+def limit_file_size(size: int) -> Callable[[], None]:
+    """No file of the run may grow beyond ``size`` bytes: as on a full disk, a write fails in the middle of the run."""
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+def test_a_disk_that_fills_up_stops_the_run_and_leaves_a_readable_bag(scenario: Path) -> None:
+    # 1 MiB is what the recorder reserves to close the bag: some more, so that it begins.
+    with up(scenario, "--composed", "--rate", "0", before=limit_file_size((1 << 20) + 100_000)) as process:
+        assert process.wait() == 1
+        assert "error: recorder ended by itself (exit code 1)" in process.output
+        assert "recording stopped: File too large" in process.output
+        assert process.left_behind() == []
+    check_bag(scenario)
+
+
+def test_no_room_for_a_recording_is_said_before_a_node_starts(scenario: Path) -> None:
+    with up(scenario, before=limit_file_size(1 << 19)) as process:
+        assert process.wait() == 1
+        assert f"{scenario.parent}/run/bag: cannot be written: File too large" in process.output
+    assert not (scenario.parent / "run" / "logs" / "vessel_sim.log").exists()
+    assert not (scenario.parent / "run" / "bag").exists()
+
+
+def test_a_folder_that_cannot_be_written(scenario: Path) -> None:
+    (scenario.parent / "run").write_text("a file", encoding="utf-8")
+    code, output = dp("up", "--scenario", scenario, "--record", "--output", scenario.parent / "run")
+    assert code == 1
+    assert output.splitlines() == [f"error: {scenario.parent}/run: cannot be written: Not a directory"]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_without_permission(scenario: Path) -> None:
+    scenario.parent.chmod(0o500)
+    try:
+        code, output = dp("up", "--scenario", scenario, "--record", "--output", scenario.parent / "run")
+    finally:
+        scenario.parent.chmod(0o700)
+    assert code == 1
+    assert output.splitlines() == [f"error: {scenario.parent}/run: cannot be written: Permission denied"]
+
+
+def test_an_existing_recording_is_kept_unless_asked_for(tmp_path: Path) -> None:
+    BagWriter(tmp_path / "run" / "bag").close()
+    file = bag_file(tmp_path / "run" / "bag")
+    before = file.read_bytes()
+    scenario = write_scenario(tmp_path, 1.0, events=[])
+    options = ("up", "--scenario", scenario, "--lockstep", "--composed", "--record", "--output", tmp_path / "run")
+    code, output = dp(*options)
+    assert code == 1
+    assert output.splitlines() == [
+        f"error: {tmp_path}/run/bag: holds a recording; choose another --output, or --overwrite it"
+    ]
+    assert file.read_bytes() == before
+    code, output = dp(*options, "--overwrite")
+    assert code == 0, output
+    assert len(read_bag(file).run["power"].t) == 50
