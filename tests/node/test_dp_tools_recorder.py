@@ -178,7 +178,7 @@ def test_lost_messages_are_counted_and_named(node: Node, tmp_path: Path) -> None
     acknowledged(publisher)
     code, _, error = recording.end()
     assert code == 0
-    match = re.search(r"lost (\d+) messages on /chatter", error)
+    match = re.search(r"lost messages: (\d+) on /chatter", error)
     assert match is not None
     kept = len(decoded(folder, "/chatter"))
     assert kept + int(match[1]) == count + 1

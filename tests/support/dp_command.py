@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
@@ -33,11 +33,12 @@ class DpProcess:
         cwd: Path | None = None,
         environment: Mapping[str, str] | None = None,
         before: Callable[[], None] | None = None,
+        prefix: Sequence[str | Path] = (),
     ) -> None:
         # A file, so that nobody blocks on a full pipe.
         self._output = tempfile.TemporaryFile("w+")  # noqa: SIM115
         self._process = subprocess.Popen(
-            [*_COMMAND, *map(str, arguments)],
+            [*map(str, prefix), *_COMMAND, *map(str, arguments)],
             stdout=self._output,
             stderr=subprocess.STDOUT,
             stdin=subprocess.DEVNULL,
@@ -126,7 +127,7 @@ def own_domain() -> Iterator[dict[str, str]]:
 
 
 def write_scenario(folder: Path, duration: float = 20.0, **fields: Any) -> Path:
-    """Write a scenario with waves, steps of the set point and a switch of the azimuth mode, unless ``fields`` say else."""
+    """Write a scenario: waves, steps of the set point, azimuth modes; ``fields`` replace what they name."""
     content: dict[str, Any] = {
         "name": "trial",
         "title": "Trial",

@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 from dp_tools.bag_reader import bag_file, read_bag
 from dp_tools.in_process import ClosedLoop
 
-# They carry wall-clock time, or begin before time does (transition_event, which rclpy does not keep for late listeners).
+# They carry wall-clock time, or begin before the recorder does (transition_event, which rclpy keeps for nobody).
 _NOT_REPEATABLE = ("diagnostics", "rosout", "parameter_events", "transition_event")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -82,6 +83,7 @@ def up(
         raise
     _tell_bag(run)
     if interrupted and chosen is not None:  # without a scenario it is the way to stop
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # nothing is left to interrupt but the exit code
         error_console.print("interrupted; every process is stopped")
         raise typer.Exit(INTERRUPTED)
     if report:

@@ -176,13 +176,15 @@ def run(arguments: list[str] | None = None) -> int:
         except RecordingStoppedError:
             pass  # close() says it, once the bag is whole
         finally:
-            node.writer.close(node.custom_data())
+            try:
+                node.writer.close(node.custom_data())
+            finally:
+                report(node)
     except DpError as error:
         print(f"recorder: {error}", file=sys.stderr, flush=True)
         code = 1
     finally:
         if node is not None:
-            report(node)
             node.destroy_node()
         rclpy.try_shutdown()
     return code
@@ -196,8 +198,9 @@ def report(node: RecorderNode) -> None:
         f"{node.writer.size / 1e6:.1f} MB, lost {sum(lost.values())}",
         flush=True,
     )
-    for topic, count in lost.items():
-        print(f"recorder: lost {count} messages on {topic}", file=sys.stderr, flush=True)
+    if lost:
+        by_topic = ", ".join(f"{count} on {topic}" for topic, count in lost.items())
+        print(f"recorder: lost messages: {by_topic}", file=sys.stderr, flush=True)
 
 
 def main() -> None:

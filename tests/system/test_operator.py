@@ -1,0 +1,232 @@
+"""What an operator does with `dp` while a graph runs: look at parameters and topics, change, save and load them."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from dp_msgs.msg import AllocationStatus, ControllerStatus
+
+from dp_node import RING
+from dp_tools.node_settings import default_settings
+from dp_tools.operator_node import operator
+from dp_tools.parameter_service import ParameterRefusedError, RemoteParameters, read_parameter_file
+from marine_model import load_vessel
+from marine_model.settings import parameters_of
+from support.dp_command import DpProcess, own_domain
+from support.dp_here import Dp, dp_here
+
+__all__ = ["dp_here"]
+
+pytestmark = pytest.mark.timeout(200)
+
+NODES = ("dp_observer", "dp_controller", "thrust_allocator", "thruster_drivers", "vessel_sim")
+
+
+@pytest.fixture(scope="module")
+def graph(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DpProcess]:
+    """The graph as `dp up` starts it: no scenario, real time, until Ctrl-C."""
+    folder = tmp_path_factory.mktemp("operator")
+    with own_domain() as domain, pytest.MonkeyPatch.context() as patch:
+        for name, value in domain.items():
+            patch.setenv(name, value)
+        with DpProcess("up", "--composed", "--record", "--output", folder) as process:
+            process.wait_until(lambda: "running; Ctrl-C stops" in process.output, "the graph to run")
+            process.children()
+            yield process
+            process.signal(signal.SIGINT)
+            assert process.wait() == 0, process.output
+            assert process.left_behind() == []
+            assert (folder / "bag" / "metadata.yaml").is_file()
+            assert str(folder / "bag") in process.output
+
+
+pytestmark = [pytestmark, pytest.mark.usefixtures("graph")]
+
+
+def values(node: str) -> dict[str, Any]:
+    with operator() as one:
+        return RemoteParameters(one, node).get()
+
+
+def newest(kind: Any, topic: str, wanted: Any) -> Any:
+    """Return the first message on ``topic`` that is as ``wanted``."""
+    with operator() as one:
+        heard: list[Any] = []
+        one.node.create_subscription(kind, topic, heard.append, RING)
+        one.wait_until(lambda: any(wanted(message) for message in heard), 20.0, f"such a message on {topic}")
+        return next(message for message in heard if wanted(message))
+
+
+def test_the_graph_without_scenario_is_that_of_the_launch_file(dp_here: Dp) -> None:
+    assert dp_here("param", "get", "dp_controller", "mode") == (0, "mode: setpoint\n")
+    assert dp_here("param", "get", "thrust_allocator", "azimuth_mode", "vessel") == (
+        0,
+        "azimuth_mode: rotating\nvessel: cybership3\n",
+    )
+
+
+def test_list_shows_every_parameter_with_its_meaning(dp_here: Dp) -> None:
+    code, output = dp_here("param", "list")
+    assert code == 0
+    for node, settings in default_settings(load_vessel("cybership3")).items():
+        assert node in output
+        for name in parameters_of(settings):
+            assert name in output
+    code, output = dp_here("param", "list", "vessel_sim")
+    (amplitude,) = [line for line in output.splitlines() if "waves.amplitude" in line]
+    assert "double" in amplitude
+    assert "0 .." in amplitude
+    assert "[m]" in amplitude
+    assert "dp_controller" not in output
+
+
+def test_a_mode_switched_live_takes_effect(dp_here: Dp) -> None:
+    for mode in ("fixed", "rotating"):
+        code, output = dp_here("param", "set", "thrust_allocator", "azimuth_mode", mode)
+        assert (code, output) == (0, f"thrust_allocator: azimuth_mode = {mode}\n")
+        newest(AllocationStatus, "allocation_status", lambda message, mode=mode: message.azimuth_mode == mode)
+
+
+def test_a_change_of_mode_is_answered_by_the_controller(dp_here: Dp) -> None:
+    try:
+        assert dp_here("param", "set", "dp_controller", "mode", "standby")[0] == 0
+        message = newest(ControllerStatus, "controller_status", lambda message: message.mode == "standby")
+        assert list(message.axis_mode) == ["off"] * 3
+    finally:
+        assert dp_here("param", "set", "dp_controller", "mode", "setpoint")[0] == 0
+
+
+def test_a_whole_number_does_for_a_real_one(dp_here: Dp) -> None:
+    before = values("vessel_sim")["waves.amplitude"]
+    try:
+        assert dp_here("param", "set", "vessel_sim", "waves.amplitude", "1")[0] == 0
+        assert values("vessel_sim")["waves.amplitude"] == 1.0
+    finally:
+        assert dp_here("param", "set", "vessel_sim", "waves.amplitude", before)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("node", "words", "reason"),
+    [
+        ("thrust_allocator", ("azimuth_mode", "sideways"), "azimuth_mode: Input should be 'fixed' or 'rotating'"),
+        ("thrust_allocator", ("thruster_enabled", "[true]"), "thruster_enabled: expected 4 elements"),
+        ("thrust_allocator", ("solver", "guess"), "guess"),
+        ("dp_controller", ("mode", "autopilot"), "found 'autopilot'"),
+        ("vessel_sim", ("waves.amplitude", "-1.0"), "out of range"),
+        ("vessel_sim", ("waves.amplitude", "high"), "Wrong parameter type"),
+        ("vessel_sim", ("waves.amplitude", ".nan"), "range"),
+        ("vessel_sim", ("rate", "0.0"), "rate: expected above 0 unless lockstep is on, found 0.0"),
+        ("vessel_sim", ("seed", "5"), "read-only"),
+        ("dp_observer", ("vessel", "cybership3_ch7"), "read-only"),
+        ("dp_observer", ("gain", "2.0"), "no parameter gain; known: "),
+    ],
+)
+def test_a_refused_value_gives_the_reason_and_keeps_the_old_one(
+    dp_here: Dp, node: str, words: tuple[str, ...], reason: str
+) -> None:
+    before = values(node)
+    code, output = dp_here("param", "set", node, *words)
+    assert code == 1
+    assert output.startswith(f"error: node {node}: ")
+    assert reason in output
+    assert "Traceback" not in output
+    assert values(node) == before
+
+
+def test_all_values_of_one_command_are_set_or_none(dp_here: Dp) -> None:
+    before = values("vessel_sim")
+    code, output = dp_here("param", "set", "vessel_sim", "waves.amplitude", "0.02", "waves.period", "-3.0")
+    assert code == 1
+    assert "waves.period" in output or "range" in output
+    assert values("vessel_sim") == before
+    try:
+        assert dp_here("param", "set", "vessel_sim", "waves.amplitude", "0.02", "waves.period", "1.5")[0] == 0
+        assert values("vessel_sim") == before | {"waves.amplitude": 0.02, "waves.period": 1.5}
+    finally:
+        with operator() as one:
+            RemoteParameters(one, "vessel_sim").set(
+                {name: before[name] for name in ("waves.amplitude", "waves.period")}
+            )
+
+
+def test_what_was_dumped_can_be_loaded(dp_here: Dp, tmp_path: Path) -> None:
+    file = tmp_path / "saved.yaml"
+    assert dp_here("param", "dump", "--output", file) == (0, "")
+    saved = read_parameter_file(file)
+    assert set(saved) == set(NODES)
+    assert {node: values(node) for node in NODES} == saved
+    assert dp_here("param", "set", "vessel_sim", "waves.direction", "1.25")[0] == 0
+    assert dp_here("param", "set", "thrust_allocator", "thruster_enabled", "[true, true, false, true]")[0] == 0
+    code, output = dp_here("param", "load", file)
+    assert code == 0, output
+    assert {node: values(node) for node in NODES} == saved
+    # One node, to standard output, in the format of ROS parameter files.
+    code, output = dp_here("param", "dump", "vessel_sim")
+    assert code == 0
+    assert yaml.safe_load(output) == {"/**/vessel_sim": {"ros__parameters": saved["vessel_sim"]}}
+
+
+def test_a_file_with_a_bad_value_changes_nothing_in_that_node(dp_here: Dp, tmp_path: Path) -> None:
+    before = values("vessel_sim")
+    file = tmp_path / "bad.yaml"
+    for content, reason in (
+        ({"waves.amplitude": 0.03, "waves.period": -1.0}, "range"),
+        ({"waves.amplitude": 0.03, "seed": before["seed"] + 1}, "read-only while running: seed is "),
+        ({"waves": {"amplitude": 0.03, "colour": "blue"}}, "no parameter waves.colour"),
+    ):
+        file.write_text(yaml.safe_dump({"vessel_sim": {"ros__parameters": content}}), encoding="utf-8")
+        code, output = dp_here("param", "load", file)
+        assert code == 1
+        assert reason in output
+        assert values("vessel_sim") == before
+    file.write_text("vessel_sim:\n  waves.amplitude: 0.03\n", encoding="utf-8")
+    code, output = dp_here("param", "load", file)
+    assert code == 1
+    assert f"{file}:" in output
+    assert "expected one mapping ros__parameters" in output
+
+
+def test_a_value_of_the_wrong_kind_is_refused_before_anything_is_set() -> None:
+    with operator() as one, pytest.raises(ParameterRefusedError, match="no parameter bogus; known: "):
+        RemoteParameters(one, "vessel_sim").get(["rate", "bogus"])
+
+
+def test_topics_lists_the_graph(dp_here: Dp) -> None:
+    code, output = dp_here("topics")
+    assert code == 0
+    lines = {line.split()[1]: line for line in output.splitlines() if line.startswith("│ /")}
+    assert "dp_msgs/msg/ThrusterCommand" in lines["/thruster_command"]
+    assert "thrust_allocator" in lines["/thruster_command"]
+    assert "thruster_drivers" in lines["/thruster_command"]
+    assert {"/pose", "/odometry", "/tau_desired", "/tau_achieved", "/actuator_setpoint", "/clock"} <= set(lines)
+    assert "/rosout" not in lines
+    assert "/rosout" in dp_here("topics", "--all")[1]
+
+
+def test_topics_counts_messages(dp_here: Dp) -> None:
+    code, output = dp_here("topics", "--rate", "1")
+    assert code == 0
+    (pose,) = [line for line in output.splitlines() if line.startswith("│ /pose ")]
+    # 5 Hz in real time; within one second 3 to 7 on a machine that stumbles.
+    assert 3.0 <= float(pose.split("│")[-2]) <= 7.0
+
+
+def test_a_node_that_is_not_there(dp_here: Dp) -> None:
+    code, output = dp_here("param", "get", "dp_autopilot", "mode")
+    assert code == 1
+    assert "error: node dp_autopilot: " in output
+    assert "is it running? (dp topics shows the graph)" in output
+
+
+def test_a_namespace_without_a_graph(dp_here: Dp) -> None:
+    code, output = dp_here("param", "list", "--namespace", "nowhere")
+    assert code == 1
+    assert "a node of the graph in namespace /nowhere" in output
+    assert dp_here("topics", "--namespace", "nowhere")[0] == 1
+    code, output = dp_here("topics", "--namespace", "no where")
+    assert (code, output) == (1, "error: namespace: expected one such as 'ship' or 'fleet/ship', found 'no where'\n")
