@@ -79,7 +79,6 @@ def test_list_shows_every_parameter_with_its_meaning(dp_here: Dp) -> None:
             assert name in output
     code, output = dp_here("param", "list", "vessel_sim")
     (amplitude,) = [line for line in output.splitlines() if "waves.amplitude" in line]
-    assert "double" in amplitude
     assert "0 .." in amplitude
     assert "[m]" in amplitude
     assert "dp_controller" not in output
@@ -102,12 +101,12 @@ def test_a_change_of_mode_is_answered_by_the_controller(dp_here: Dp) -> None:
 
 
 def test_a_whole_number_does_for_a_real_one(dp_here: Dp) -> None:
-    before = values("vessel_sim")["waves.amplitude"]
+    before = values("vessel_sim")["waves.direction"]
     try:
-        assert dp_here("param", "set", "vessel_sim", "waves.amplitude", "1")[0] == 0
-        assert values("vessel_sim")["waves.amplitude"] == 1.0
+        assert dp_here("param", "set", "vessel_sim", "waves.direction", "1") == (0, "vessel_sim: waves.direction = 1\n")
+        assert values("vessel_sim")["waves.direction"] == 1.0
     finally:
-        assert dp_here("param", "set", "vessel_sim", "waves.amplitude", before)[0] == 0
+        assert dp_here("param", "set", "vessel_sim", "waves.direction", before)[0] == 0
 
 
 @pytest.mark.parametrize(
@@ -200,9 +199,8 @@ def test_topics_lists_the_graph(dp_here: Dp) -> None:
     code, output = dp_here("topics")
     assert code == 0
     lines = {line.split()[1]: line for line in output.splitlines() if line.startswith("│ /")}
-    assert "dp_msgs/msg/ThrusterCommand" in lines["/thruster_command"]
-    assert "thrust_allocator" in lines["/thruster_command"]
-    assert "thruster_drivers" in lines["/thruster_command"]
+    assert "dp_msgs/ThrusterCommand" in lines["/thruster_command"]
+    assert "thrust_allocator → recorder, thruster_drivers" in lines["/thruster_command"]
     assert {"/pose", "/odometry", "/tau_desired", "/tau_achieved", "/actuator_setpoint", "/clock"} <= set(lines)
     assert "/rosout" not in lines
     assert "/rosout" in dp_here("topics", "--all")[1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rclpy.node import Node
@@ -14,6 +14,7 @@ from rich.table import Table
 from dp_tools.commands.root import Namespace, console
 from dp_tools.message_types import message_class
 from dp_tools.operator_node import operator
+from dp_tools.recorder import RECORDER_EARS
 
 _HIDDEN = ("/rosout", "/parameter_events", "/transition_event")  # ends of names
 
@@ -27,7 +28,7 @@ def topics(
     ] = False,
     namespace: Namespace = "",
 ) -> None:
-    """List topics with type, publishers and subscribers."""
+    """List topics with type, publishers and subscribers; in a namespace only those below it."""
     with operator(namespace) as one:
         own = one.node.get_name()
         one.wait_until(lambda: any(t for t, _ in _visible(one.node, every)), 3.0, "a topic; is the graph running?")
@@ -50,17 +51,23 @@ def topics(
         if rate:
             table.add_column("Hz", justify="right")
         for topic, kind in found:
-            senders = {e.node_name for e in one.node.get_publishers_info_by_topic(topic)}
-            listeners = {e.node_name for e in one.node.get_subscriptions_info_by_topic(topic)} - {own}
+            senders = _names(one.node.get_publishers_info_by_topic(topic))
+            listeners = _names(one.node.get_subscriptions_info_by_topic(topic)) - {own}
             way = f"{', '.join(sorted(senders))} → {', '.join(sorted(listeners)) or '–'}"
             table.add_row(topic, kind.replace("/msg/", "/"), way, *([f"{counts[topic] / rate:.1f}"] if rate else []))
         console.print(table)
 
 
+def _names(ends: list[Any]) -> set[str]:
+    return {"recorder" if end.node_name == RECORDER_EARS else end.node_name for end in ends}
+
+
 def _visible(node: Node, every: bool) -> list[tuple[str, str]]:
+    below = node.get_namespace().rstrip("/") + "/"
     return [
         (topic, kinds[0])
         for topic, kinds in sorted(node.get_topic_names_and_types())
-        if (every or not topic.endswith(_HIDDEN))
+        if topic.startswith(below)
+        and (every or not topic.endswith(_HIDDEN))
         and any(e.node_name != node.get_name() for e in node.get_publishers_info_by_topic(topic))
     ]
