@@ -27,7 +27,7 @@ def finite_vector(name: str, value: ArrayLike, length: int) -> FloatArray:
     if vector.shape != (length,):
         raise InputError(f"{name}: expected shape ({length},), found {vector.shape}")
     # A sum of finite numbers may overflow, one with a number that is not finite never is.
-    if not math.isfinite(vector.sum()) and not np.isfinite(vector).all():
+    if not math.isfinite(sum(vector.tolist())) and not np.isfinite(vector).all():
         raise InputError(f"{name}: expected finite numbers, found {vector.tolist()}")
     return vector
 
