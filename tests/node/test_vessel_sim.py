@@ -110,7 +110,7 @@ class Graph:
         return future.result()
 
     def now(self) -> float:
-        return float(self.sim.health().values["simulated_time"])  # type: ignore[arg-type]
+        return float(self.sim.health().values["simulated_time"])
 
     def phase(self) -> Phase:
         return Phase(self.sim.health().values["phase"])

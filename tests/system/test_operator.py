@@ -22,7 +22,7 @@ from support.dp_here import Dp, dp_here
 
 __all__ = ["dp_here"]
 
-pytestmark = pytest.mark.timeout(200)
+LIMIT = pytest.mark.timeout(200)
 
 NODES = ("dp_observer", "dp_controller", "thrust_allocator", "thruster_drivers", "vessel_sim")
 
@@ -45,7 +45,7 @@ def graph(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DpProcess]:
             assert str(folder / "bag") in process.output
 
 
-pytestmark = [pytestmark, pytest.mark.usefixtures("graph")]
+pytestmark = [LIMIT, pytest.mark.usefixtures("graph")]
 
 
 def values(node: str) -> dict[str, Any]:

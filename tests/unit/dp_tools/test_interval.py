@@ -69,7 +69,7 @@ def test_interval_holds_the_truth_about_as_often_as_it_says(statistic: object) -
     runs = autoregressive(np.random.default_rng(3), runs=400, samples=500, memory=5.0)
     held = 0
     for x in runs:
-        low, high = batch_jackknife(statistic, [x])  # type: ignore[arg-type]
+        low, high = batch_jackknife(statistic, [x])
         held += low <= truth <= high
     # 400 trials of 0.95: standard deviation 0.011. Batches that remember their neighbours cost up to 0.05.
     assert 0.89 <= held / 400 <= 0.985
