@@ -19,7 +19,7 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     scenario = write_scenario(folder)
     other = folder / "other"
     other.mkdir()
-    runs = {
+    runs: dict[str, tuple[Path, tuple[str, ...]]] = {
         "separate": (scenario, ()),
         "composed": (scenario, ("--composed",)),
         "other seed": (write_scenario(other, seed=8), ("--composed",)),

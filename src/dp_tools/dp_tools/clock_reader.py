@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 import rclpy
+from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
@@ -19,18 +20,21 @@ class ClockReader:
 
     Parameters
     ----------
-    namespace
-        Of the graph: every simulator has a clock of its own, which is /clock where there is no namespace.
+    beside
+        A node in the graph's namespace: every simulator has a clock of its own, /clock where there is no namespace.
     """
 
-    def __init__(self, namespace: str = "") -> None:
+    def __init__(self, beside: Node) -> None:
         self._time = 0.0
         self._node = rclpy.create_node(
-            f"dp_clock_reader_{os.getpid()}", namespace=namespace or None, start_parameter_services=False
+            f"dp_clock_reader_{os.getpid()}",
+            context=beside.context,
+            namespace=beside.get_namespace(),
+            start_parameter_services=False,
         )
         quality = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._node.create_subscription(Clock, "clock", self._note, quality)
-        self._executor = RingExecutor()
+        self._executor = RingExecutor(context=beside.context)
         self._executor.add_node(self._node)
 
     def _note(self, message: Clock) -> None:

@@ -62,7 +62,7 @@ class Conductor:
         NoAnswerError
             If a node does not answer.
         """
-        clock = ClockReader(self._operator.node.get_namespace())
+        clock = ClockReader(self._operator.node)
         try:
             self._play(clock, progress)
         finally:

@@ -14,6 +14,8 @@ from dp_tools.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
 NODES = (*RING_PACKAGES, SIMULATOR_PACKAGE)
 # Far above what a start takes; on a machine with much else to do, seven interpreters need their time.
 START_SECONDS = 60.0
+# DDS participants announce themselves every 3 s, and the answer to a newcomer's own announcement may be lost.
+DISCOVERY_SECONDS = 5.0
 
 
 def present(operator: Operator) -> list[str]:

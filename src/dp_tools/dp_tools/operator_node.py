@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import rclpy
+from rclpy.context import Context
 from rclpy.exceptions import InvalidNamespaceException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -43,7 +44,7 @@ class Operator:
     def __init__(self, node: Node, watch: Callable[[], None] = lambda: None) -> None:
         self.node = node
         self.watch = watch
-        self.executor = RingExecutor()
+        self.executor = RingExecutor(context=node.context)
         self.executor.add_node(node)
 
     def wait_until(self, condition: Callable[[], bool], seconds: float | None, what: str) -> None:
@@ -58,7 +59,7 @@ class Operator:
         while not condition():
             self.watch()
             if deadline is not None and time.monotonic() > deadline:
-                raise NoAnswerError(f"waited {seconds:g} s for {what}")
+                raise NoAnswerError(f"waited {seconds:g} s for {what}" if seconds else f"expected {what}")
             self.executor.spin_once(timeout_sec=0.05)
 
     def settled(self, observe: Callable[[], T], quiet: float = 1.0, seconds: float = 5.0) -> T:
@@ -89,12 +90,13 @@ def operator(namespace: str = "") -> Iterator[Operator]:
         validate_namespace(full)
     except InvalidNamespaceException as error:
         raise NamespaceError(f"namespace: expected one such as 'ship' or 'fleet/ship', found '{namespace}'") from error
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node(f"dp_operator_{os.getpid()}", namespace=full)
+    context = Context()
+    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node(f"dp_operator_{os.getpid()}", context=context, namespace=full)
     one = Operator(node)
     try:
         yield one
     finally:
         one.executor.shutdown()
         node.destroy_node()
-        rclpy.try_shutdown()
+        rclpy.try_shutdown(context=context)

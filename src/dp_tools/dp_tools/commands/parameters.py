@@ -12,7 +12,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from dp_tools.commands.root import Namespace, console
-from dp_tools.graph_nodes import present
+from dp_tools.graph_nodes import DISCOVERY_SECONDS, present
 from dp_tools.operator_node import Operator, operator
 from dp_tools.parameter_service import (
     RemoteParameters,
@@ -113,7 +113,9 @@ def load(
 
 
 def _running(one: Operator) -> list[str]:
-    one.wait_until(lambda: bool(present(one)), 3.0, f"a node of the graph in namespace {one.node.get_namespace()}")
+    one.wait_until(
+        lambda: bool(present(one)), DISCOVERY_SECONDS, f"a node of the graph in namespace {one.node.get_namespace()}"
+    )
     return one.settled(lambda: present(one))
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from typing import Annotated, Any
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Annotated
 
 import typer
 from rclpy.node import Node
@@ -12,8 +14,9 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rich.table import Table
 
 from dp_tools.commands.root import Namespace, console
+from dp_tools.graph_nodes import DISCOVERY_SECONDS, present
 from dp_tools.message_types import message_class
-from dp_tools.operator_node import operator
+from dp_tools.operator_node import NoAnswerError, Operator, operator
 from dp_tools.recorder import RECORDER_EARS
 
 _HIDDEN = ("/rosout", "/parameter_events", "/transition_event")  # ends of names
@@ -30,44 +33,62 @@ def topics(
 ) -> None:
     """List topics with type, publishers and subscribers; in a namespace only those below it."""
     with operator(namespace) as one:
-        own = one.node.get_name()
-        one.wait_until(lambda: any(t for t, _ in _visible(one.node, every)), 3.0, "a topic; is the graph running?")
+        # Whoever else is there may be known at once, the graph only when it next announces itself.
+        with suppress(NoAnswerError):
+            one.wait_until(lambda: bool(present(one)), DISCOVERY_SECONDS, "the graph")
+        one.wait_until(lambda: bool(_visible(one.node, every)), 0.0, "topics; is the graph running?")
         found = one.settled(lambda: _visible(one.node, every))
-        counts: Counter[str] = Counter()
-        if rate > 0.0:
-            for topic, kind in found:
-                # A bare count: no decoding, and nobody is made to wait for us.
-                quality = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
-                one.node.create_subscription(
-                    message_class(kind), topic, lambda raw, topic=topic: counts.update([topic]), quality, raw=True
-                )
-            end = time.monotonic() + rate
-            while time.monotonic() < end:
-                one.executor.spin_once(timeout_sec=0.05)
-        table = Table()
-        table.add_column("topic", no_wrap=True)
-        table.add_column("type", overflow="fold")
-        table.add_column("from → to", overflow="fold")
-        if rate:
-            table.add_column("Hz", justify="right")
-        for topic, kind in found:
-            senders = _names(one.node.get_publishers_info_by_topic(topic))
-            listeners = _names(one.node.get_subscriptions_info_by_topic(topic)) - {own}
-            way = f"{', '.join(sorted(senders))} → {', '.join(sorted(listeners)) or '–'}"
-            table.add_row(topic, kind.replace("/msg/", "/"), way, *([f"{counts[topic] / rate:.1f}"] if rate else []))
-        console.print(table)
+        counts = _count(one, found, rate) if rate else Counter()
+    table = Table()
+    table.add_column("topic", no_wrap=True)
+    table.add_column("type", overflow="fold")
+    table.add_column("from → to", overflow="fold")
+    if rate:
+        table.add_column("Hz", justify="right")
+    for topic in found:
+        way = f"{', '.join(topic.senders)} → {', '.join(topic.listeners) or '–'}"
+        hertz = [f"{counts[topic.name] / rate:.1f}"] if rate else []
+        table.add_row(topic.name, topic.kind.replace("/msg/", "/"), way, *hertz)
+    console.print(table)
 
 
-def _names(ends: list[Any]) -> set[str]:
-    return {"recorder" if end.node_name == RECORDER_EARS else end.node_name for end in ends}
+@dataclass(frozen=True)
+class _Topic:
+    name: str
+    kind: str
+    senders: tuple[str, ...]
+    listeners: tuple[str, ...]
 
 
-def _visible(node: Node, every: bool) -> list[tuple[str, str]]:
+def _visible(node: Node, every: bool) -> list[_Topic]:
     below = node.get_namespace().rstrip("/") + "/"
-    return [
-        (topic, kinds[0])
-        for topic, kinds in sorted(node.get_topic_names_and_types())
-        if topic.startswith(below)
-        and (every or not topic.endswith(_HIDDEN))
-        and any(e.node_name != node.get_name() for e in node.get_publishers_info_by_topic(topic))
-    ]
+    found = []
+    for name, kinds in sorted(node.get_topic_names_and_types()):
+        if not name.startswith(below) or (name.endswith(_HIDDEN) and not every):
+            continue
+        senders, listeners = (
+            tuple(sorted({_shown(end.node_name) for end in ends} - {node.get_name()}))
+            for ends in (node.get_publishers_info_by_topic(name), node.get_subscriptions_info_by_topic(name))
+        )
+        if senders:
+            found.append(_Topic(name, kinds[0], senders, listeners))
+    return found
+
+
+def _shown(node: str) -> str:
+    return "recorder" if node == RECORDER_EARS else node
+
+
+def _count(one: Operator, topics: list[_Topic], seconds: float) -> Counter[str]:
+    """Return the number of messages on each topic within ``seconds``."""
+    counts: Counter[str] = Counter()
+    # A bare count: no decoding, and nobody is made to wait for us.
+    quality = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
+    for topic in topics:
+        one.node.create_subscription(
+            message_class(topic.kind), topic.name, lambda raw, name=topic.name: counts.update([name]), quality, raw=True
+        )
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        one.executor.spin_once(timeout_sec=0.05)
+    return counts
