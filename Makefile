@@ -18,7 +18,7 @@ demo: setup ## set up, sail Run A, leave runs/run_a/bag and runs/run_a/report.ht
 	$(VENV)/dp up --scenario run_a --lockstep --record --report --overwrite
 
 test: setup ## set up and run all tests
-	$(VENV)/python -m pytest tests
+	$(VENV)/python -m pytest -n auto --dist loadfile -rs tests
 
 lint: setup ## ruff and mypy
 	$(VENV)/ruff check .
