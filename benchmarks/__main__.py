@@ -62,10 +62,12 @@ def main(arguments: Sequence[str]) -> int:
                 continue
             print_results(console, title, found)
             results += found
+    machine["load_average_1_min_after"] = os.getloadavg()[0]
     chosen.output.mkdir(parents=True, exist_ok=True)
     write_results(chosen.output / "results.json", results)
     write_machine(chosen.output / "machine.json", machine)
     missed = [result.name for result in results if result.met is False]
+    console.print(f"load after the last: {machine['load_average_1_min_after']:.1f}", highlight=False)
     console.print(f"aims missed: {', '.join(missed) or 'none'}; figures in {chosen.output / 'results.json'}")
     if failed:
         console.print(f"failed: {', '.join(failed)}", style="red")

@@ -25,7 +25,7 @@ class Plan:
 def whole(scratch: Path) -> Plan:
     """Return the plan of `make bench`: nothing is shortened."""
     scenario = load_scenario("run_a")
-    return Plan(scenario, scenario.vessel, scratch, 3, 5, 20, 250, 5)
+    return Plan(scenario, scenario.vessel, scratch, 3, 5, 20, 250, 3)
 
 
 def quick(scratch: Path) -> Plan:
