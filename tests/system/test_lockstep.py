@@ -27,10 +27,8 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     found = {}
     for name, (path, options) in runs.items():
         with own_domain() as domain:
-            code, output = dp(
-                *("up", "--scenario", path, "--lockstep", "--record", "--output", folder / name, *options),
-                environment=domain,
-            )
+            words = ("up", "--scenario", str(path), "--lockstep", "--record", "--output", str(folder / name), *options)
+            code, output = dp(*words, environment=domain)
         assert code == 0, output
         found[name] = folder / name / "bag"
     return found

@@ -147,9 +147,10 @@ def read_parameter_file(path: Path) -> dict[str, dict[str, Any]]:
     document = read_yaml(path)
     values: dict[str, dict[str, Any]] = {}
     for node, section in document.content.items():
-        if not isinstance(section, dict) or set(section) != {"ros__parameters"}:
+        own = section.get("ros__parameters") if isinstance(section, dict) and len(section) == 1 else None
+        if not isinstance(own, dict):
             raise DocumentError(document.problem((node,), "expected one mapping ros__parameters"))
-        values[str(node).rsplit("/", 1)[-1]] = dict(_flatten(section["ros__parameters"]))
+        values[str(node).rsplit("/", 1)[-1]] = dict(_flatten(own))
     return values
 
 

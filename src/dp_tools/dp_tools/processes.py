@@ -37,7 +37,8 @@ class Child:
             errors="replace",
             # Ctrl-C in the terminal reaches the parent alone, which stops the children in order.
             start_new_session=True,
-            env=os.environ | {PARENT_VARIABLE: str(os.getpid())},
+            # Unbuffered: last words count most when there is no time left to flush them.
+            env=os.environ | {PARENT_VARIABLE: str(os.getpid()), "PYTHONUNBUFFERED": "1"},
         )
         self.log_file = log_file
         self._log = log_file.open("w", encoding="utf-8")
