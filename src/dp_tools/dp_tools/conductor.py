@@ -45,8 +45,6 @@ class Conductor:
         self._setpoint = node.create_publisher(PoseStamped, "setpoint", RING_PUBLISHER)
         self._joystick = node.create_publisher(WrenchStamped, "joystick", RING_PUBLISHER)
         self._path = node.create_publisher(PathMessage, "path", RING_PUBLISHER)
-        # With the history that the controller keeps: its answer may be out before it has heard of this subscription.
-        node.create_subscription(ControllerStatus, "controller_status", self._note_status, RING_PUBLISHER)
         self._awaited: int | None = None
         self._answers: list[ControllerStatus] = []
         self._parameters: dict[str, RemoteParameters] = {}
@@ -120,18 +118,27 @@ class Conductor:
         )
         self._answers.clear()
         self._awaited = stamp
-        publisher.publish(message)
+        # Only while an answer is awaited: a reader in another process costs the ring time. With the history that the
+        # controller keeps, as its answer may be out before it has heard of this subscription.
+        node = self._operator.node
+        subscription = node.create_subscription(
+            ControllerStatus, "controller_status", self._note_status, RING_PUBLISHER
+        )
+        try:
+            publisher.publish(message)
 
-        def confirmed() -> bool:
-            for answer in self._answers:
-                if to_nanoseconds(getattr(answer, f"{kind}_stamp")) == stamp:
-                    return True
-                if answer.message.startswith("refused"):
-                    raise ConductorError(f"{kind} at {stamp * 1e-9:.1f} s: {answer.message}")
-            return False
+            def confirmed() -> bool:
+                for answer in self._answers:
+                    if to_nanoseconds(getattr(answer, f"{kind}_stamp")) == stamp:
+                        return True
+                    if answer.message.startswith("refused"):
+                        raise ConductorError(f"{kind} at {stamp * 1e-9:.1f} s: {answer.message}")
+                return False
 
-        self._operator.wait_until(confirmed, _ACKNOWLEDGE_SECONDS, f"dp_controller to accept the {kind}")
-        self._awaited = None
+            self._operator.wait_until(confirmed, _ACKNOWLEDGE_SECONDS, f"dp_controller to accept the {kind}")
+        finally:
+            self._awaited = None
+            node.destroy_subscription(subscription)
 
 
 def _pose(stamp: int, position: tuple[float, float, float]) -> PoseStamped:
