@@ -81,7 +81,7 @@ class RingExecutor(SingleThreadedExecutor):
             timeout_sec = 0.001 if timeout_sec is None else min(timeout_sec, 0.001)
         if self._stale or not self._context.ok():
             return
-        if self._busy and now < self._next_wait:
+        if self._busy and self._message_handles and now < self._next_wait:
             self._busy = self._serve_messages(self._message_wait_set, self._message_handles, 0)
             if self._busy or self._is_outdated():
                 return

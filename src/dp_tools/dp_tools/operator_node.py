@@ -21,6 +21,9 @@ from marine_model.errors import DpError
 
 T = TypeVar("T")
 
+# A second call does no harm, and on an idle machine the first is answered within milliseconds.
+_CALL_AGAIN_SECONDS = 1.0
+
 
 class NoAnswerError(DpError):
     """A node or service did not answer within its time."""
@@ -73,12 +76,34 @@ class Operator:
                 seen, since = now, time.monotonic()
         return seen
 
-    def call(self, client: Any, request: Any, seconds: float | None, what: str) -> Any:
-        """Call a service and return its response. Raises NoAnswerError."""
-        self.wait_until(client.service_is_ready, 5.0 if seconds is None else seconds, f"service {client.srv_name}")
-        future: Future = client.call_async(request)
-        self.wait_until(future.done, seconds, what)
-        return future.result()
+    def call(self, client: Any, request: Any, seconds: float, what: str) -> Any:
+        """Call a service whose calls may be repeated, and return its response.
+
+        A service drops its response if it has not heard of this client's reader yet, which the client cannot see: so
+        the request goes out again from time to time.
+
+        Raises
+        ------
+        NoAnswerError
+            If there is no response within ``seconds``.
+        """
+        self.wait_until(client.service_is_ready, seconds, f"service {client.srv_name}")
+        futures: list[Future] = []
+        next_call = 0.0
+
+        def answered() -> bool:
+            nonlocal next_call
+            if time.monotonic() >= next_call:
+                futures.append(client.call_async(request))
+                next_call = time.monotonic() + _CALL_AGAIN_SECONDS
+            return any(future.done() for future in futures)
+
+        try:
+            self.wait_until(answered, seconds, what)
+            return next(future.result() for future in futures if future.done())
+        finally:
+            for future in futures:
+                client.remove_pending_request(future)
 
 
 @contextmanager
