@@ -228,7 +228,7 @@ def test_a_node_that_is_not_there(dp_here: Dp) -> None:
 def test_a_namespace_without_a_graph(dp_here: Dp) -> None:
     code, output = dp_here("param", "list", "--namespace", "nowhere")
     assert code == 1
-    assert "a node of the graph in namespace /nowhere" in output
+    assert "no node of the graph in namespace /nowhere; is it running?" in output
     assert dp_here("topics", "--namespace", "nowhere")[0] == 1
     code, output = dp_here("topics", "--namespace", "no where")
     assert (code, output) == (1, "error: namespace: expected one such as 'ship' or 'fleet/ship', found 'no where'\n")

@@ -15,14 +15,15 @@ NODES = (*RING_PACKAGES, SIMULATOR_PACKAGE)
 # Far above what a start takes; on a machine with much else to do, seven interpreters need their time.
 START_SECONDS = 60.0
 # DDS participants announce themselves every 3 s, and the answer to a newcomer's own announcement may be lost.
-DISCOVERY_SECONDS = 5.0
+ANNOUNCEMENT_SECONDS = 3.2
 
 
 def present(operator: Operator) -> list[str]:
-    """Return the nodes of the graph that are known in the operator's namespace by now."""
-    namespace = operator.node.get_namespace()
-    pairs = operator.node.get_node_names_and_namespaces()
-    return [name for name in NODES if (name, namespace) in pairs]
+    """Return the nodes of the graph known in the operator's namespace by now; a name as often as it is there."""
+    here = operator.node.get_namespace()
+    return sorted(
+        name for name, namespace in operator.node.get_node_names_and_namespaces() if namespace == here and name in NODES
+    )
 
 
 def is_there(operator: Operator, name: str) -> bool:
@@ -34,7 +35,9 @@ def unheard(operator: Operator, listener: str) -> list[str]:
     """Return the topics of the graph's nodes to which node ``listener`` does not listen; hidden ones do not count."""
     node, namespace = operator.node, operator.node.get_namespace()
     topics = {
-        topic for name in present(operator) for topic, _ in node.get_publisher_names_and_types_by_node(name, namespace)
+        topic
+        for name in set(present(operator))
+        for topic, _ in node.get_publisher_names_and_types_by_node(name, namespace)
     }
     return sorted(
         topic

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -88,7 +89,8 @@ class GraphRun:
         with Interrupts() as interrupts:
             try:
                 with operator(self.namespace) as one:
-                    self._refuse_company(one)
+                    one.settled(lambda: present(one), quiet=0.5)
+                    self._refuse_company(one, ours=0)
                     write_start_parameters(self.folder, self._start_parameters())
                     one.watch = children.check
                     if self.record:
@@ -100,6 +102,8 @@ class GraphRun:
                     with interrupts.held_back():
                         self._start_nodes(children)
                     wait_until_active(one)
+                    # A graph that announces itself late has been heard of by now.
+                    self._refuse_company(one, ours=1)
                     if self.record:
                         one.wait_until(lambda: not unheard(one, RECORDER_EARS), START_SECONDS, "the recorder to listen")
                     self._conduct(one, say, progress)
@@ -116,9 +120,9 @@ class GraphRun:
         if problems:
             raise UncleanStopError("\n".join(problems))
 
-    def _refuse_company(self, one: Operator) -> None:
-        """Raise GraphRunningError if nodes of our names are there already: two graphs would mix their messages."""
-        found = one.settled(lambda: present(one), quiet=0.5)
+    def _refuse_company(self, one: Operator, ours: int) -> None:
+        """Raise GraphRunningError if more than ``ours`` nodes have one name: two graphs would mix their messages."""
+        found = sorted(name for name, count in Counter(present(one)).items() if count > ours)
         if found:
             domain = os.environ.get("ROS_DOMAIN_ID", "0")
             raise GraphRunningError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,8 +13,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from dp_tools.commands.root import Namespace, console
-from dp_tools.graph_nodes import DISCOVERY_SECONDS, present
-from dp_tools.operator_node import Operator, operator
+from dp_tools.graph_nodes import ANNOUNCEMENT_SECONDS, NODES, present
+from dp_tools.operator_node import NoAnswerError, Operator, operator
 from dp_tools.parameter_service import (
     RemoteParameters,
     parse_value,
@@ -113,10 +114,13 @@ def load(
 
 
 def _running(one: Operator) -> list[str]:
-    one.wait_until(
-        lambda: bool(present(one)), DISCOVERY_SECONDS, f"a node of the graph in namespace {one.node.get_namespace()}"
-    )
-    return one.settled(lambda: present(one))
+    """Return the nodes of the graph that are there: all, or those that have announced themselves by now."""
+    with suppress(NoAnswerError):
+        one.wait_until(lambda: set(present(one)) == set(NODES), 1.5 * ANNOUNCEMENT_SECONDS, "the whole graph")
+    found = sorted(set(present(one)))
+    if not found:
+        raise NoAnswerError(f"no node of the graph in namespace {one.node.get_namespace()}; is it running?")
+    return found
 
 
 def _text(value: Any) -> str:

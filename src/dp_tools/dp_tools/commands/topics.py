@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -14,7 +13,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rich.table import Table
 
 from dp_tools.commands.root import Namespace, console
-from dp_tools.graph_nodes import DISCOVERY_SECONDS, present
+from dp_tools.graph_nodes import ANNOUNCEMENT_SECONDS
 from dp_tools.message_types import message_class
 from dp_tools.operator_node import NoAnswerError, Operator, operator
 from dp_tools.recorder import RECORDER_EARS
@@ -33,11 +32,10 @@ def topics(
 ) -> None:
     """List topics with type, publishers and subscribers; in a namespace only those below it."""
     with operator(namespace) as one:
-        # Whoever else is there may be known at once, the graph only when it next announces itself.
-        with suppress(NoAnswerError):
-            one.wait_until(lambda: bool(present(one)), DISCOVERY_SECONDS, "the graph")
-        one.wait_until(lambda: bool(_visible(one.node, every)), 0.0, "topics; is the graph running?")
-        found = one.settled(lambda: _visible(one.node, every))
+        # Nobody knows how many processes there are: each has had its turn once this has passed without news.
+        found = one.settled(lambda: _visible(one.node, every), ANNOUNCEMENT_SECONDS, 3.0 * ANNOUNCEMENT_SECONDS)
+        if not found:
+            raise NoAnswerError(f"no topics below {one.node.get_namespace()}; is the graph running?")
         counts = _count(one, found, rate) if rate else Counter()
     table = Table()
     table.add_column("topic", no_wrap=True)
