@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core.caching import FunctionCache
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -17,4 +21,30 @@ def compiled(function: F) -> F:
     infinity or NaN, as numpy does, and raises nothing; floating-point operations are not reordered, so that results
     are the same in every process. ``function.py_func`` is the plain Python function.
     """
-    return cast("F", numba.njit(cache=True, error_model="numpy")(function))
+    dispatcher = numba.njit(error_model="numpy")(function)
+    dispatcher._cache = _PackageCache(function)
+    return cast("F", dispatcher)
+
+
+class _PackageCache(FunctionCache):  # type: ignore[misc]
+    """Machine code that is good as long as no file of its package has changed.
+
+    numba itself looks at the file of the function only, and would go on using what was compiled from a function that
+    it calls in another file.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        packages = {__name__.partition(".")[0], function.__module__.partition(".")[0]}
+        self._cache_file._source_stamp = tuple(_stamp(name) for name in sorted(packages))
+
+
+@lru_cache(maxsize=None)
+def _stamp(package: str) -> tuple[tuple[str, int, int], ...]:
+    """Return name, time and size of every source file of a package that is being imported."""
+    found = []
+    for folder in getattr(sys.modules.get(package), "__path__", ()):
+        for path in sorted(Path(folder).rglob("*.py")):
+            status = path.stat()
+            found.append((path.name, status.st_mtime_ns, status.st_size))
+    return tuple(found)

@@ -2,7 +2,7 @@
 
 from thrust_allocator.allocator import Allocator
 from thrust_allocator.phase import Phase
-from thrust_allocator.problem import AllocationProblem, SlackForm, Weights
+from thrust_allocator.problem import AllocationProblem, Coupling, SlackForm, Weights
 from thrust_allocator.result import AllocationResult, Status
 from thrust_allocator.settings import AllocatorSettings, check_settings
 from thrust_allocator.solution import Residuals, Solution, judge
@@ -14,6 +14,7 @@ __all__ = [
     "AllocationResult",
     "Allocator",
     "AllocatorSettings",
+    "Coupling",
     "Phase",
     "Residuals",
     "SlackForm",

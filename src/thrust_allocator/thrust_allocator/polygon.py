@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from math import cos, sin
 
+from marine_model.compiled import compiled
+from marine_model.guards import FloatArray
+
 ROWS = 5
+# Corners of that polygon, at most.
+CORNERS = 5
 
 Row = tuple[float, float, float]
 
 
+@compiled
 def rotating_rows(
     azimuth: float,
     turn_low: float,
@@ -37,8 +43,8 @@ def rotating_rows(
     azimuth
         Present direction alpha_0, rad.
     turn_low, turn_high
-        Ends of the window relative to ``azimuth``, alpha_- - alpha_0 and alpha_+ - alpha_0, rad; each less than
-        90 deg from it, and together less than 180 deg.
+        Ends of the window relative to ``azimuth``, alpha_- - alpha_0 <= 0 and alpha_+ - alpha_0 >= 0, rad; each less
+        than 90 deg from it, and together less than 180 deg.
     thrust_lower, thrust_upper
         T_- and T_+, N.
     zero_region
@@ -55,3 +61,52 @@ def rotating_rows(
         (cos_low, sin_low, cos(turn_low) * thrust_upper),
         (cos_high, sin_high, cos(turn_high) * thrust_upper),
     )
+
+
+@compiled
+def rotating_corners(
+    azimuth: float,
+    turn_low: float,
+    turn_high: float,
+    thrust_lower: float,
+    thrust_upper: float,
+    zero_region: float,
+    corners: FloatArray,
+) -> int:
+    """Write the corners of the polygon of :func:`rotating_rows` and return how many there are, 3 to 5.
+
+    They go round with rising angle. Arguments as there; ``corners`` has shape (5, 2) or more rows, body frame, N.
+    """
+    cos_low, sin_low = cos(turn_low), sin(turn_low)
+    cos_high, sin_high = cos(turn_high), sin(turn_high)
+    width = zero_region * (thrust_upper - thrust_lower)
+    # In a frame whose x axis is the present direction, the line of least thrust is x = back.
+    back = -min(-thrust_lower, width)
+    x, y = corners[:, 0], corners[:, 1]
+    # Where a side of the window meets its line of largest thrust, at a right angle.
+    side_x = thrust_upper * cos_low * cos_low + width * sin_low
+    k = 0
+    if side_x > back:
+        x[0], y[0] = back, (sin_low * back - width) / cos_low
+        x[1], y[1] = side_x, thrust_upper * cos_low * sin_low - width * cos_low
+        k = 2
+    elif sin_low < 0.0:
+        # The line of least thrust cuts the side off.
+        x[0], y[0] = back, cos_low * (thrust_upper - back) / sin_low
+        k = 1
+    x[k], y[k] = thrust_upper, 0.0
+    k += 1
+    side_x = thrust_upper * cos_high * cos_high - width * sin_high
+    if side_x > back:
+        x[k], y[k] = side_x, thrust_upper * cos_high * sin_high + width * cos_high
+        x[k + 1], y[k + 1] = back, (sin_high * back + width) / cos_high
+        k += 2
+    elif sin_high > 0.0:
+        x[k], y[k] = back, cos_high * (thrust_upper - back) / sin_high
+        k += 1
+    c, s = cos(azimuth), sin(azimuth)
+    for i in range(k):
+        x_i, y_i = x[i], y[i]
+        x[i] = c * x_i - s * y_i
+        y[i] = s * x_i + c * y_i
+    return k

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, cast
+from functools import cached_property
 
 import numpy as np
 
 from marine_model import Vessel
 from marine_model.guards import FloatArray
-from marine_model.thruster_configuration import cartesian_configuration, polar_configuration
-from thrust_allocator.polygon import ROWS, rotating_rows
+from marine_model.thruster_configuration import polar_configuration
+from thrust_allocator.active_set import IntArray
+from thrust_allocator.phase import LOST, ROTATING
+from thrust_allocator.polygon import CORNERS, ROWS, rotating_rows
+from thrust_allocator.step import set_polygons
 
 # Smallest weight of a slack in the slack form. At 1, first-order solvers stop up to 0.08 N from the optimum along
 # directions that only W_u weighs; at 1e4, some do not converge.
@@ -23,9 +25,20 @@ _SLACK_FORM_WEIGHT = 100.0
 _SMALLEST_SLACK = 1e-3
 
 
-def _numbers(array: FloatArray) -> memoryview[float]:
-    """Return a writable view of all elements of ``array`` in a row."""
-    return cast("memoryview[float]", memoryview(cast("Any", array.reshape(-1))))
+@dataclass(frozen=True, slots=True)
+class Coupling:
+    """Limits that several thrusters share, as a power bus does: sum_j a_j' u_j <= b, one row each.
+
+    Attributes
+    ----------
+    a
+        Shape (k, n, 2), over the Cartesian thrusts u_j = (T_x, T_y).
+    b
+        Shape (k,).
+    """
+
+    a: FloatArray
+    b: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +75,14 @@ class Weights:
             gains.zero_region,
         )
 
+    @property
+    def columns(self) -> FloatArray:
+        """Generalized force of a newton along either body axis, shape (n, 3, 2): (4.24), thruster by thruster."""
+        columns = np.zeros((len(self.lever_x), 3, 2))
+        columns[:, 0, 0] = columns[:, 1, 1] = 1.0
+        columns[:, 2, 0], columns[:, 2, 1] = -self.lever_y, self.lever_x
+        return columns
+
 
 @dataclass(frozen=True, slots=True)
 class SlackForm:
@@ -91,115 +112,98 @@ class AllocationProblem:
         H = B' (gamma W_v)^2 B + W_u^2,   f = -B' (gamma W_v)^2 tau,   c = tau' (gamma W_v)^2 tau / 2
 
     and the cost (4.20) is twice the objective. Eliminating the fixed directions turns (4.28), (4.30) and (4.34) into
-    bounds on a variable. Bounds come first, then the rows:
+    bounds on a variable. Bounds come first, then five rows for every rotating thruster, then shared limits:
 
         b_lower[:k] <= z[:k] <= b_upper[:k],   b_lower[k:] <= A z <= b_upper[k:],   k = number of fixed thrusters
-
-    All arrays are allocated once and overwritten from step to step: :meth:`copy` one to keep it.
 
     Parameters
     ----------
     weights
         Geometry and weights of the vessel.
-    fixed, rotating
-        Indices of the thrusters allocated in either form; a thruster in neither has its column set to zero.
+    plans
+        What every thruster may do in this step, shape (n, 6), see :class:`phase.Plan`. A lost one has no variable.
+    tau
+        Demanded generalized force, shape (3,), N, N, N m.
+    coupling
+        Limits shared by several thrusters, if any.
     """
 
-    __slots__ = (
-        "A",
-        "B",
-        "H",
-        "_a",
-        "_gain",
-        "_lower",
-        "_upper",
-        "b_lower",
-        "b_upper",
-        "f",
-        "fixed",
-        "gradient_floor",
-        "rotating",
-        "tau",
-        "weights",
-    )
-
-    def __init__(self, weights: Weights, fixed: Sequence[int], rotating: Sequence[int]) -> None:
+    def __init__(self, weights: Weights, plans: FloatArray, tau: FloatArray, coupling: Coupling | None = None) -> None:
         self.weights = weights
-        self.fixed = tuple(fixed)
-        self.rotating = tuple(rotating)
-        k, r = len(self.fixed), len(self.rotating)
+        self.plans = plans.copy()
+        self.tau = tau.copy()
+        self.coupling = coupling
+        phases = plans[:, 0]
+        fixed = np.flatnonzero((phases != LOST) & (phases != ROTATING))
+        rotating = np.flatnonzero(phases == ROTATING)
+        self.fixed: tuple[int, ...] = tuple(fixed.tolist())
+        self.rotating: tuple[int, ...] = tuple(rotating.tolist())
+        k, r = len(fixed), len(rotating)
         m = k + 2 * r
-        self.tau = np.zeros(3)
-        self.B = np.zeros((3, m))
-        self.H = np.zeros((m, m))
-        self.f = np.zeros(m)
-        self.A = np.zeros((ROWS * r, m))
-        self.b_lower = np.full(k + ROWS * r, -np.inf)
-        self.b_upper = np.zeros(k + ROWS * r)
+        self.B = np.empty((3, m))
+        self.B[:, :k] = polar_configuration(weights.lever_x[fixed], weights.lever_y[fixed], plans[fixed, 3])
+        columns = weights.columns
+        for i, j in enumerate(rotating):
+            self.B[:, k + 2 * i : k + 2 * i + 2] = columns[j]
+        gain = self.B.T * weights.slack
+        self.H = gain @ self.B + np.diag(self.variable_weights)
+        self.f = -(gain @ self.tau)
+        rows = np.zeros((ROWS * r, m))
+        limits = np.empty(ROWS * r)
+        for i, j in enumerate(rotating):
+            _, lower, upper, azimuth, low, high = plans[j].tolist()
+            at = slice(ROWS * i, ROWS * (i + 1))
+            found = np.array(rotating_rows(azimuth, low, high, lower, upper, weights.zero_region))
+            rows[at, k + 2 * i : k + 2 * i + 2] = found[:, :2]
+            limits[at] = found[:, 2]
+        if coupling is not None:
+            directions = np.column_stack((np.cos(plans[fixed, 3]), np.sin(plans[fixed, 3])))
+            shared = np.empty((len(coupling.b), m))
+            shared[:, :k] = (coupling.a[:, fixed] * directions).sum(axis=2)
+            shared[:, k:] = coupling.a[:, rotating].reshape(len(coupling.b), 2 * r)
+            rows, limits = np.vstack((rows, shared)), np.concatenate((limits, coupling.b))
+        self.A = rows
+        self.b_lower = np.concatenate((plans[fixed, 1], np.full(len(limits), -np.inf)))
+        self.b_upper = np.concatenate((plans[fixed, 2], limits))
         self.gradient_floor = _SMALLEST_SLACK * float(weights.slack.min())
-        self._gain = np.zeros((m, 3))
-        # Single numbers go in through memory views, which costs half of what indexing an array does.
-        self._a = _numbers(self.A)
-        self._lower = _numbers(self.b_lower)
-        self._upper = _numbers(self.b_upper)
-        both = cartesian_configuration(weights.lever_x, weights.lever_y)
-        n = len(weights.lever_x)
-        for i, j in enumerate(self.rotating):
-            self.B[:, k + 2 * i] = both[:, j]
-            self.B[:, k + 2 * i + 1] = both[:, n + j]
 
     @property
     def variables(self) -> int:
         """Number of variables m."""
-        return self.H.shape[0]
+        return len(self.H)
 
     @property
     def bounds(self) -> int:
         """Number k of variables with bounds of their own: the first ones."""
         return len(self.fixed)
 
-    def point(self, azimuth: Sequence[float]) -> None:
-        """Set the directions (rad) of the fixed thrusters, in their order here; to be called before use."""
-        fixed, weights = list(self.fixed), self.weights
-        k = len(fixed)
-        self.B[:, :k] = polar_configuration(
-            weights.lever_x[fixed], weights.lever_y[fixed], np.array(azimuth, dtype=np.float64)
-        )
-        np.multiply(self.B.T, weights.slack, out=self._gain)
-        np.matmul(self._gain, self.B, out=self.H)
-        self.H[np.diag_indices_from(self.H)] += self._variable_weights()
+    @cached_property
+    def variable_weights(self) -> FloatArray:
+        """Diagonal of W_u^2 over the variables, shape (m,)."""
+        return self.weights.thrust[[*self.fixed, *(j for j in self.rotating for _ in range(2))]]
 
-    def demand(self, tau: FloatArray) -> None:
-        """Set the demanded generalized force, shape (3,), N, N, N m."""
-        self.tau[:] = tau
-        np.dot(self._gain, tau, out=self.f)
-        np.negative(self.f, out=self.f)
+    def polygons(self) -> tuple[FloatArray, IntArray]:
+        """Return the corners of what every thruster may give, shape (n, 5, 2), N, and how many, shape (n,)."""
+        n = len(self.plans)
+        corners, count = np.zeros((n, CORNERS, 2)), np.zeros(n, dtype=np.int64)
+        set_polygons(self.plans, self.weights.zero_region, corners, count)
+        return corners, count
 
-    def limit_fixed(self, i: int, lower: float, upper: float) -> None:
-        """Bound the thrust (N) of the ``i``-th fixed thruster, (4.30) and (4.34)."""
-        self._lower[i] = lower
-        self._upper[i] = upper
-
-    def limit_rotating(
-        self, i: int, azimuth: float, turn_low: float, turn_high: float, lower: float, upper: float
-    ) -> None:
-        """Write the rows of the ``i``-th rotating thruster; arguments as in :func:`polygon.rotating_rows`."""
-        a, b_upper = self._a, self._upper
-        k = len(self.fixed)
-        m = k + 2 * len(self.rotating)
-        at = ROWS * i * m + k + 2 * i
-        row = k + ROWS * i
-        for a_x, a_y, b in rotating_rows(azimuth, turn_low, turn_high, lower, upper, self.weights.zero_region):
-            a[at] = a_x
-            a[at + 1] = a_y
-            b_upper[row] = b
-            at += m
-            row += 1
+    def forces(self, z: FloatArray) -> FloatArray:
+        """Return the Cartesian thrusts (T_x, T_y) of every thruster at ``z``, shape (n, 2), N; zero for a lost one."""
+        force = np.zeros((len(self.plans), 2))
+        k = self.bounds
+        for i, j in enumerate(self.fixed):
+            azimuth = self.plans[j, 3]
+            force[j] = z[i] * np.cos(azimuth), z[i] * np.sin(azimuth)
+        for i, j in enumerate(self.rotating):
+            force[j] = z[k + 2 * i : k + 2 * i + 2]
+        return force
 
     def objective(self, z: FloatArray) -> float:
         """Return z' H z / 2 + f' z + c at ``z``, shape (m,); summed from squares, which keeps its precision."""
         slack = self.slack(z)
-        return 0.5 * float(self.weights.slack @ slack**2 + self._variable_weights() @ z**2)
+        return 0.5 * float(self.weights.slack @ slack**2 + self.variable_weights @ z**2)
 
     def slack(self, z: FloatArray) -> FloatArray:
         """Return s = tau - B z, shape (3,)."""
@@ -212,7 +216,7 @@ class AllocationProblem:
         lower, upper = np.full(m + 3, -np.inf), np.full(m + 3, np.inf)
         lower[:k], upper[:k] = self.b_lower[:k], self.b_upper[:k]
         return SlackForm(
-            P=np.diag(scale * np.concatenate([self._variable_weights(), self.weights.slack])),
+            P=np.diag(scale * np.concatenate([self.variable_weights, self.weights.slack])),
             E=np.hstack([self.B, np.eye(3)]),
             tau=self.tau.copy(),
             G=np.hstack([self.A, np.zeros((len(self.A), 3))]),
@@ -221,14 +225,3 @@ class AllocationProblem:
             upper=upper,
             scale=scale,
         )
-
-    def _variable_weights(self) -> FloatArray:
-        """Return the diagonal of W_u^2 over the variables."""
-        return self.weights.thrust[[*self.fixed, *(j for j in self.rotating for _ in range(2))]]
-
-    def copy(self) -> AllocationProblem:
-        """Return a problem of its own with the same numbers."""
-        other = AllocationProblem(self.weights, self.fixed, self.rotating)
-        for name in ("tau", "B", "H", "f", "A", "b_lower", "b_upper", "_gain"):
-            getattr(other, name)[...] = getattr(self, name)
-        return other

@@ -7,8 +7,12 @@ from enum import StrEnum
 
 from marine_model.guards import FloatArray
 from thrust_allocator.phase import Phase
+from thrust_allocator.polar import Command
 from thrust_allocator.problem import AllocationProblem
 from thrust_allocator.solution import Solution
+from thrust_allocator.step import Total
+
+_PHASES = tuple(Phase)
 
 
 class Status(StrEnum):
@@ -29,53 +33,83 @@ class AllocationResult:
 
     Attributes
     ----------
-    thrust, azimuth
-        Commands: N along the direction; rad in [-pi, pi), body frame.
+    commands
+        Table of commands, shape (n, 5), see :class:`polar.Command`.
+    totals
+        Sums over the thrusters, shape (7,), see :class:`step.Total`.
     tau_desired
         The demand that was allocated, shape (3,), N, N, N m; differs from the argument where that was not finite.
-    tau_achieved
-        B(azimuth) thrust over the thrusters that are not lost, shape (3,).
-    slack
-        tau_desired - tau_achieved, shape (3,).
-    cost
-        Value of (4.10) at the commands, thrusters that are not lost.
     solve_time
         Time this step took from demand to answer, s.
     status
         Which rule gave the answer.
     message
         Why it was not the usual one; empty otherwise.
-    azimuth_mode, solver
-        Settings in force.
-    demanded_power
-        Propeller power of the commanded thrusts by (3.11), thrusters that are not lost, W.
-    phase
-        What every thruster was doing.
-    rotating
-        Allocated as rotating.
-    thrust_saturated
-        Thrust at a magnitude or rate limit; a rotating thruster at rest is not.
-    azimuth_saturated
-        Direction at an end of its window.
+    azimuth_mode
+        Mode in force: fixed or rotating.
+    solver
+        Name of the solver.
     problem, solution
         On a failure the problem and what the solver made of it, for debugging; None otherwise.
     """
 
-    thrust: FloatArray
-    azimuth: FloatArray
+    commands: FloatArray
+    totals: FloatArray
     tau_desired: FloatArray
-    tau_achieved: FloatArray
-    slack: FloatArray
-    cost: float
     solve_time: float
     status: Status
     message: str
     azimuth_mode: str
     solver: str
-    demanded_power: float
-    phase: tuple[Phase, ...]
-    rotating: tuple[bool, ...]
-    thrust_saturated: tuple[bool, ...]
-    azimuth_saturated: tuple[bool, ...]
     problem: AllocationProblem | None
     solution: Solution | None
+
+    @property
+    def thrust(self) -> FloatArray:
+        """Commanded thrust along the direction, shape (n,), N."""
+        return self.commands[:, Command.THRUST].copy()
+
+    @property
+    def azimuth(self) -> FloatArray:
+        """Commanded direction, shape (n,), rad in [-pi, pi), body frame."""
+        return self.commands[:, Command.AZIMUTH].copy()
+
+    @property
+    def tau_achieved(self) -> FloatArray:
+        """B(azimuth) thrust over the thrusters that are not lost, shape (3,), N, N, N m."""
+        return self.totals[: Total.COST].copy()
+
+    @property
+    def slack(self) -> FloatArray:
+        """tau_desired - tau_achieved, shape (3,), N, N, N m."""
+        return self.tau_desired - self.totals[: Total.COST]
+
+    @property
+    def cost(self) -> float:
+        """Value of the cost function at the commands, thrusters that are not lost."""
+        return float(self.totals[Total.COST])
+
+    @property
+    def demanded_power(self) -> float:
+        """Propeller power of the commanded thrusts by (3.11), thrusters that are not lost, W."""
+        return float(self.totals[Total.POWER])
+
+    @property
+    def phase(self) -> tuple[Phase, ...]:
+        """What every thruster was doing."""
+        return tuple([_PHASES[int(phase)] for phase in self.commands[:, Command.PHASE].tolist()])
+
+    @property
+    def rotating(self) -> tuple[bool, ...]:
+        """Allocated as rotating."""
+        return tuple([phase == Phase.ROTATING for phase in self.commands[:, Command.PHASE].tolist()])
+
+    @property
+    def thrust_saturated(self) -> tuple[bool, ...]:
+        """Thrust at a magnitude or rate limit; a rotating thruster at rest is not."""
+        return tuple([at != 0.0 for at in self.commands[:, Command.THRUST_SATURATED].tolist()])
+
+    @property
+    def azimuth_saturated(self) -> tuple[bool, ...]:
+        """Direction at an end of its window."""
+        return tuple([at != 0.0 for at in self.commands[:, Command.AZIMUTH_SATURATED].tolist()])

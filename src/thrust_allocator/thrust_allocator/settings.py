@@ -10,6 +10,7 @@ from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.schema import Fraction
 from marine_model.settings import Settings, setting
+from thrust_allocator.active_set_solver import NAME
 from thrust_allocator.solvers import check_solver
 
 
@@ -20,10 +21,12 @@ class AllocatorSettings(Settings):
     every thruster.
     """
 
-    azimuth_mode: Literal["fixed", "rotating"] = setting(
-        "fixed", "Azimuth thrusters are held in their fixed directions, or rotate freely"
+    azimuth_mode: Literal["fixed", "rotating", "variable"] = setting(
+        "fixed", "Azimuth thrusters are held in their fixed directions, or rotate freely (rotating, variable)"
     )
-    solver: str = setting("daqp", "Solver of the quadratic program: daqp, or the name of one behind qpsolvers")
+    solver: str = setting(
+        NAME, "Solver of the quadratic program: active_set, daqp, or the name of one behind qpsolvers"
+    )
     thruster_enabled: Annotated[tuple[bool, ...], Field(strict=False)] = setting(
         (), "Per thruster: false for a lost thruster, whose command is ramped to zero"
     )
@@ -32,6 +35,9 @@ class AllocatorSettings(Settings):
     )
     thrust_limit_scale: Annotated[tuple[Fraction, ...], Field(strict=False)] = setting(
         (), "Per thruster: fraction of the thrust limits that may be used, 0 to 1"
+    )
+    azimuth_rate_scale: Annotated[tuple[Fraction, ...], Field(strict=False)] = setting(
+        (), "Per thruster: fraction of the azimuth rate that may be used, 0 to 1; at 0 it cannot turn"
     )
     longest_step: float = setting(
         1.5,
@@ -49,6 +55,7 @@ class AllocatorSettings(Settings):
             "thruster_enabled": (True,) * n,
             "azimuth_enabled": (True,) * n,
             "thrust_limit_scale": (1.0,) * n,
+            "azimuth_rate_scale": (1.0,) * n,
         }
         return cls(**(values | overrides))
 
@@ -62,7 +69,7 @@ def check_settings(settings: AllocatorSettings, vessel: Vessel) -> None:
         If a field over thrusters has the wrong length, or the solver is unknown or not installed.
     """
     n = len(vessel.thrusters)
-    for name in ("thruster_enabled", "azimuth_enabled", "thrust_limit_scale"):
+    for name in ("thruster_enabled", "azimuth_enabled", "thrust_limit_scale", "azimuth_rate_scale"):
         found = len(getattr(settings, name))
         if found not in (0, n):
             raise InputError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from marine_model.errors import InputError
+from thrust_allocator.active_set_solver import NAME, ActiveSetSolver
 from thrust_allocator.daqp_solver import DaqpSolver
 from thrust_allocator.qpsolvers_solver import QpsolversSolver, installed
 from thrust_allocator.solver import Solver
@@ -10,7 +11,7 @@ from thrust_allocator.solver import Solver
 
 def solver_names() -> tuple[str, ...]:
     """Return the names that ``settings.solver`` may have on this machine, the default first."""
-    return ("daqp", *installed())
+    return (NAME, "daqp", *installed())
 
 
 def check_solver(name: str) -> None:
@@ -22,4 +23,6 @@ def check_solver(name: str) -> None:
 def make_solver(name: str) -> Solver:
     """Return the solver called ``name``. Raises InputError."""
     check_solver(name)
+    if name == NAME:
+        return ActiveSetSolver()
     return DaqpSolver() if name == "daqp" else QpsolversSolver(name)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 
+from marine_model.compiled import compiled
+
 # A rotating thruster's window must stay a cone of less than 180 deg to be convex, and the lines (4.41)-(4.42) reach
 # only cos(half window) of the thrust limit at its ends: no more than 60 deg either way in one step.
 LARGEST_TURN = math.pi / 3.0
 
 
+@compiled
 def step_window(value: float, minimum: float, maximum: float, step: float, approach: float) -> tuple[float, float]:
     """Return the smallest and the largest value allowed in this step, [Ruth] (4.14)-(4.17).
 

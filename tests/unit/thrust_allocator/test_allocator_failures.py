@@ -55,7 +55,7 @@ def allocator(mode: str = "rotating", steps: int = 10, **settings: Any) -> Alloc
 
 def breaking(z: float | None, mode: str, steps: int = 10) -> Allocator:
     made = allocator(mode, steps)
-    made._solver = Broken(z)
+    made._engine._solver = Broken(z)
     return made
 
 
@@ -89,13 +89,13 @@ def test_a_wrong_answer_is_not_used(mode: str, z: float | None, message: str) ->
 
 def test_hold_still_obeys_new_limits_and_turns_to_fixed_directions() -> None:
     failing = breaking(None, "rotating", 30)
-    before = failing._thrust.copy(), failing._azimuth.copy()
+    before = failing._before[:, 0].copy(), failing._before[:, 1].copy()
     limited = AllocatorSettings(
         azimuth_mode="fixed", thrust_limit_scale=(1.0, 1.0, 0.01, 1.0), thruster_enabled=(True, True, True, False)
     )
-    solver = failing._solver
+    solver = failing._engine._solver
     failing.apply(limited)
-    failing._solver = solver
+    failing._engine._solver = solver
     result = failing.step(TAU, DT)
     assert result.status is Status.HOLD
     step = VESSEL.thrust_rate * DT
@@ -109,7 +109,7 @@ def test_hold_still_obeys_new_limits_and_turns_to_fixed_directions() -> None:
 def test_a_good_solver_recovers_after_hold() -> None:
     failing = breaking(None, "rotating")
     assert failing.step(TAU, DT).status is Status.HOLD
-    failing.apply(AllocatorSettings(azimuth_mode="rotating"))  # puts daqp back
+    failing.apply(AllocatorSettings(azimuth_mode="rotating"))  # puts the solver back
     result = failing.step(TAU, DT)
     assert result.status is Status.OPTIMAL
     assert result.message == ""
@@ -214,7 +214,7 @@ def test_every_combination_of_failures_has_an_answer(enabled: tuple[bool, ...]) 
         for mode in ("fixed", "rotating"):
             made = allocator(mode, 6)
             made.apply(AllocatorSettings(azimuth_mode=mode, thruster_enabled=enabled, azimuth_enabled=(True, *turning)))
-            before = made._azimuth
+            before = made._before[:, 1]
             for _ in range(8):
                 result = made.step([-8.0, 4.0, 2.0], DT)
                 assert result.status is (Status.OPTIMAL if any(enabled) else Status.NO_THRUSTER), result.message
@@ -306,7 +306,7 @@ def test_one_step_turns_no_more_than_a_convex_window_allows() -> None:
     """With steps of 2 s the rate alone would allow 2.1 rad, and a cone of 240 deg is not convex."""
     made = Allocator(VESSEL, AllocatorSettings(azimuth_mode="rotating", longest_step=10.0))
     for _ in range(6):
-        before = made._azimuth
+        before = made._before[:, 1]
         result = made.step([-4.0, 0.0, 0.0], 2.0)
         assert result.status is Status.OPTIMAL
         assert np.abs(wrap_angles(result.azimuth - before)).max() <= math.pi / 3 + 1e-9

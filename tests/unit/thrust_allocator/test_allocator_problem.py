@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from marine_model import load_vessel
-from thrust_allocator import AllocationProblem, Allocator, AllocatorSettings, Phase, Weights, judge
+from thrust_allocator import AllocationProblem, Allocator, AllocatorSettings, Coupling, Phase, Weights, judge
 from thrust_allocator.polygon import rotating_rows
 
 VESSEL = load_vessel("cybership3")
@@ -17,14 +17,18 @@ WEIGHTS = Weights.of(VESSEL)
 ROOT = math.sqrt(0.5)
 
 
-def example() -> AllocationProblem:
-    problem = AllocationProblem(WEIGHTS, fixed=[0, 3], rotating=[2])
-    problem.point([math.pi / 2, -math.pi / 4])
-    problem.limit_fixed(0, -0.1, 0.2)
-    problem.limit_fixed(1, -1.0, 2.0)
-    problem.limit_rotating(0, 0.5, -0.2, 0.2, 1.0, 3.0)
-    problem.demand(np.array([1.0, -2.0, 0.5]))
-    return problem
+def plan(phase: Phase, lower: float, upper: float, azimuth: float, turn: float = 0.0) -> list[float]:
+    return [phase, lower, upper, azimuth, -turn, turn]
+
+
+def example(tau: tuple[float, float, float] = (1.0, -2.0, 0.5), coupling: Coupling | None = None) -> AllocationProblem:
+    plans = [
+        plan(Phase.FIXED, -0.1, 0.2, math.pi / 2),
+        plan(Phase.LOST, 0.0, 0.0, 0.3),
+        plan(Phase.ROTATING, 1.0, 3.0, 0.5, 0.2),
+        plan(Phase.TURNING, -1.0, 2.0, -math.pi / 4),
+    ]
+    return AllocationProblem(WEIGHTS, np.array(plans), np.array(tau), coupling)
 
 
 def test_weights_of_b34() -> None:
@@ -73,18 +77,25 @@ def test_slack_form_is_the_same_problem() -> None:
     np.testing.assert_array_equal(form.upper, [0.2, 2.0] + [np.inf] * 5)
 
 
-def test_copy_is_independent() -> None:
-    problem = example()
-    kept = problem.copy()
-    problem.limit_rotating(0, -2.0, -0.1, 0.1, 0.5, 1.0)
-    problem.limit_fixed(0, 0.0, 0.0)
-    problem.demand(np.zeros(3))
-    problem.point([0.0, 0.0])
-    fresh = example()
-    for name in ("tau", "B", "H", "f", "A", "b_lower", "b_upper"):
-        np.testing.assert_array_equal(getattr(kept, name), getattr(fresh, name))
-    kept.demand(np.array([1.0, 1.0, 1.0]))  # and still works
-    assert kept.f @ kept.f > 0.0
+def test_shared_limits_are_rows_over_the_variables() -> None:
+    a = np.arange(16.0).reshape(2, 4, 2)
+    problem, plain = example(coupling=Coupling(a, np.array([5.0, 6.0]))), example()
+    z = np.array([0.1, -0.4, 1.5, 0.7])
+    np.testing.assert_array_equal(problem.A[:5], plain.A)
+    np.testing.assert_allclose(problem.A[5:] @ z, (a * problem.forces(z)).sum(axis=(1, 2)), rtol=1e-14)
+    np.testing.assert_array_equal(problem.b_upper[-2:], [5.0, 6.0])
+    np.testing.assert_array_equal(problem.b_lower[-2:], [-np.inf, -np.inf])
+
+
+def test_a_problem_keeps_its_numbers() -> None:
+    allocator = Allocator(VESSEL, AllocatorSettings(azimuth_mode="rotating"))
+    allocator.step([3.0, 1.0, 0.5], DT)
+    problem = allocator.problem
+    assert problem is not None
+    kept = problem.H.copy(), problem.f.copy(), problem.A.copy(), problem.b_upper.copy()
+    allocator.step([-9.0, 9.0, 3.0], DT)
+    for before, after in zip(kept, (problem.H, problem.f, problem.A, problem.b_upper), strict=True):
+        np.testing.assert_array_equal(before, after)
 
 
 def test_residuals_see_every_kind_of_fault() -> None:

@@ -1,0 +1,205 @@
+"""Runs one step on a table of limits: the compiled step, and other solvers where they are asked for or needed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from marine_model import Vessel
+from marine_model.guards import FloatArray
+from thrust_allocator.active_set_solver import NAME, solution_of
+from thrust_allocator.daqp_solver import DaqpSolver
+from thrust_allocator.phase import Limit, Plan, plan_thrusters
+from thrust_allocator.polar import Command, commands
+from thrust_allocator.polygon import CORNERS
+from thrust_allocator.problem import AllocationProblem, Coupling, Weights
+from thrust_allocator.solution import Solution
+from thrust_allocator.solver import Solver
+from thrust_allocator.solvers import make_solver
+from thrust_allocator.step import Total, add_up, allocate
+
+# An answer is used when its residuals are below these shares: of the vessel's thrust for distances, of the gradient
+# for stationarity. Commands are brought into their windows afterwards in any case, so that this only guards against
+# answers that are wrong; first-order solvers are content with about 1e-7.
+_ACCEPTED_FORCE = 1e-6
+_ACCEPTED_STATIONARITY = 1e-5
+# The method of this package is held to more; beyond this daqp is asked.
+_ACCURATE = 1e-9
+
+
+@dataclass(slots=True)
+class Answer:
+    """What came out of one run.
+
+    Attributes
+    ----------
+    tau
+        Demand that was allocated, shape (3,).
+    plans
+        Table of plans, shape (n, 6).
+    commands
+        Table of commands, shape (n, 5), see :class:`polar.Command`.
+    totals
+        Sums, shape (7,), see :class:`step.Total`; tau_achieved first.
+    multiplier
+        lambda, shape (3,): where a run on a problem like it starts.
+    force
+        Cartesian thrusts that the solver answered, shape (n, 2), N.
+    weight
+        Diagonal of W_u^2 that was used, shape (n,).
+    steps
+        As the solver counts them.
+    complaint
+        What was wrong with every solver's answer; empty when one was used. Otherwise the commands hold still.
+    problem, solution
+        Where another solver than that of this package was asked: its problem, and what it made of it.
+    """
+
+    tau: FloatArray
+    plans: FloatArray
+    commands: FloatArray
+    totals: FloatArray
+    multiplier: FloatArray
+    force: FloatArray
+    weight: FloatArray
+    steps: int
+    complaint: str = ""
+    problem: AllocationProblem | None = None
+    solution: Solution | None = None
+
+
+class Engine:
+    """Everything that is the same in every step of one vessel.
+
+    Parameters
+    ----------
+    vessel
+        Geometry, limits and weights.
+    """
+
+    def __init__(self, vessel: Vessel) -> None:
+        n = len(vessel.thrusters)
+        self.weights = Weights.of(vessel)
+        self.columns = self.weights.columns
+        self.power_factor = vessel.propellers.power_per_thrust_3_2.copy()
+        self._compliance = 1.0 / self.weights.slack
+        self._approach = vessel.allocator.approach_fraction
+        self._zero_region = vessel.allocator.zero_region
+        self._accepted_force = _ACCEPTED_FORCE * float((vessel.thrust_max - vessel.thrust_min).sum())
+        self._corners, self._count = np.zeros((n, CORNERS, 2)), np.zeros(n, dtype=np.int64)
+        self._face, self._work = np.zeros(n, dtype=np.int64), np.zeros((3, 4))
+        self._gradient = np.zeros((n, 2))
+        self._shape = n
+        self._solver: Solver = make_solver(NAME)
+        self._second = DaqpSolver()
+
+    @property
+    def solver(self) -> str:
+        """Name of the solver in use."""
+        return self._solver.name
+
+    def use(self, solver: str) -> None:
+        """Choose the solver by name. Raises InputError."""
+        if solver != self._solver.name:
+            self._solver = make_solver(solver)
+
+    def run(
+        self,
+        limits: FloatArray,
+        before: FloatArray,
+        multiplier: FloatArray,
+        weight: FloatArray,
+        tau: FloatArray,
+        dt: float,
+        coupling: Coupling | None = None,
+    ) -> Answer:
+        """Allocate ``tau`` in one step.
+
+        Parameters
+        ----------
+        limits
+            Table of limits, shape (n, 14).
+        before
+            Commands of the step before, shape (n, 5).
+        multiplier
+            lambda of a problem like it, shape (3,); not changed.
+        weight
+            Diagonal of W_u^2, shape (n,).
+        tau
+            Demanded generalized force, shape (3,), N, N, N m.
+        dt
+            Time step, s.
+        coupling
+            Limits shared by several thrusters, if any.
+        """
+        n = self._shape
+        answer = Answer(
+            tau,
+            np.empty((n, 6)),
+            np.empty((n, Command.COLUMNS)),
+            np.empty(3 + Total.COUNT),
+            multiplier.copy(),
+            np.zeros((n, 2)),
+            weight,
+            0,
+        )
+        if self._solver.name == NAME and coupling is None:
+            steps = allocate(
+                limits, before, self.columns, weight, self._compliance, self.power_factor, tau, dt, self._approach,
+                self._zero_region, answer.multiplier, answer.plans, self._corners, self._count, answer.force,
+                self._face, self._work, self._gradient, answer.commands, answer.totals,
+            )  # fmt: skip
+            answer.steps = steps
+            if steps >= 0 and answer.totals[Total.STATIONARITY] <= _ACCURATE:
+                return answer
+        plan_thrusters(limits, before[:, 0], before[:, 1], dt, self._approach, answer.plans)
+        answer.problem = self.problem(answer, coupling)
+        self._ask(self._second if self._solver.name == NAME else self._solver, answer)
+        held = answer.plans[:, Plan.AZIMUTH]
+        if answer.complaint:
+            answer.multiplier[:] = 0.0
+            answer.force[:, 0], answer.force[:, 1] = before[:, 0] * np.cos(held), before[:, 0] * np.sin(held)
+        commands(answer.plans, limits[:, Limit.SPAN], answer.force, answer.commands)
+        if answer.complaint:
+            # To the last bit, which the way through components would not keep.
+            lower, upper = answer.plans[:, Plan.LOWER], answer.plans[:, Plan.UPPER]
+            answer.commands[:, Command.THRUST] = np.minimum(np.maximum(before[:, 0], lower), upper)
+            answer.commands[:, Command.AZIMUTH] = held
+        add_up(self.columns, weight, self._compliance, self.power_factor, tau, answer.commands, answer.totals)
+        answer.totals[Total.STATIONARITY] = 0.0 if answer.solution is None else answer.solution.residuals.stationarity
+        return answer
+
+    def problem(self, answer: Answer, coupling: Coupling | None = None) -> AllocationProblem:
+        """Return the problem that a run solved, as an object."""
+        weights = self.weights
+        if answer.weight is not weights.thrust:
+            weights = Weights(weights.lever_x, weights.lever_y, weights.slack, answer.weight, weights.zero_region)
+        return AllocationProblem(weights, answer.plans, answer.tau, coupling)
+
+    def solution(self, answer: Answer) -> Solution | None:
+        """Return what the solver made of the problem of a run; None where it gave nothing."""
+        if answer.problem is not None:
+            return answer.solution
+        return solution_of(self.problem(answer), answer.force, answer.multiplier, answer.steps)
+
+    def _ask(self, solver: Solver, answer: Answer) -> None:
+        problem = answer.problem
+        if problem is None or not problem.variables:
+            return
+        solution = answer.solution = solver.solve(problem)
+        if solution is None:
+            answer.complaint = f"{solver.name} gave no answer"
+            return
+        residuals = solution.residuals
+        if not residuals.within(self._accepted_force, _ACCEPTED_STATIONARITY):
+            said = f" ({solution.message})" if solution.message else ""
+            answer.complaint = (
+                f"{solver.name} failed{said}: violation {residuals.violation:.3g} N, "
+                f"stationarity {residuals.stationarity:.3g}, dual violation {residuals.dual_violation:.3g}, "
+                f"complementarity {residuals.complementarity:.3g}"
+            )
+            return
+        answer.steps = solution.iterations
+        answer.force[:] = problem.forces(solution.z)
+        answer.multiplier[:] = problem.weights.slack * problem.slack(solution.z)

@@ -1,0 +1,36 @@
+"""The table of limits: what vessel and settings allow every thruster, before supervisors have their say."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from marine_model import Vessel
+from marine_model.frames import wrap_angle
+from marine_model.guards import FloatArray
+from thrust_allocator.phase import Limit
+from thrust_allocator.settings import AllocatorSettings
+
+
+def limit_table(vessel: Vessel, settings: AllocatorSettings) -> FloatArray:
+    """Return the limits of every thruster under ``settings``, shape (n, 14), see :class:`phase.Limit`."""
+    n = len(vessel.thrusters)
+    table = np.zeros((n, Limit.COLUMNS))
+    span = vessel.thrust_max - vessel.thrust_min
+    scale = np.array(settings.thrust_limit_scale or (1.0,) * n)
+    turning = np.array(settings.azimuth_enabled or (True,) * n)
+    table[:, Limit.ENABLED] = settings.thruster_enabled or (True,) * n
+    # A thruster whose azimuth rate is scaled to nothing is one that cannot turn.
+    rate = vessel.azimuth_rate * np.array(settings.azimuth_rate_scale or (1.0,) * n)
+    table[:, Limit.MAY_ROTATE] = np.array(vessel.can_rotate) & turning & (rate > 0.0)
+    table[:, Limit.ROTATING] = settings.azimuth_mode in ("rotating", "variable")
+    table[:, Limit.THRUST_MIN] = scale * vessel.thrust_min
+    table[:, Limit.THRUST_MAX] = scale * vessel.thrust_max
+    table[:, Limit.THRUST_RATE] = vessel.thrust_rate
+    table[:, Limit.AZIMUTH_RATE] = rate
+    table[:, Limit.DIRECTION] = [wrap_angle(angle) for angle in vessel.fixed_direction.tolist()]
+    table[:, Limit.ZERO_THRUST] = vessel.allocator.zero_region * span
+    table[:, Limit.SPAN] = span
+    table[:, Limit.REACH_LOW] = -np.inf
+    table[:, Limit.REACH_HIGH] = np.inf
+    table[:, Limit.FACTOR] = 1.0
+    return table
