@@ -77,10 +77,10 @@ def _crosses(azimuth: float, turn: float, forbidden: FloatArray, first: int, las
     """Return whether the turn has more than an end in common with a forbidden sector of the rows first to last - 1."""
     half = 0.5 * abs(turn)
     middle = azimuth + 0.5 * turn
+    crossing = False
     for k in range(first, last):
-        if abs(wrapped(forbidden[k, 0] - middle)) < forbidden[k, 1] + half - _TOLERANCE:
-            return True
-    return False
+        crossing |= abs(wrapped(forbidden[k, 0] - middle)) < forbidden[k, 1] + half - _TOLERANCE
+    return crossing
 
 
 @compiled

@@ -32,11 +32,11 @@ class SupervisorState(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """A combination of windows, what it costs, and the largest :class:`Reach` of its thrusters."""
+    """A combination of windows, what it costs, and the largest :class:`Reach` of its thrusters (or its number)."""
 
     windows: tuple[int, ...]
     cost: float
-    reach: Reach
+    reach: Reach | int
 
 
 class CostLimits(NamedTuple):
@@ -54,7 +54,7 @@ def switching_rule(gains: SectorGains) -> SwitchingRule:
 
 def advance(state: SupervisorState, dt: float) -> SupervisorState:
     """Return the state ``dt`` (s) later, to be decided on. Raises InputError if ``dt`` is not above 0."""
-    return state._replace(since_crossing=state.since_crossing + positive_number("dt", dt))
+    return SupervisorState(state.windows, state.since_crossing + positive_number("dt", dt))
 
 
 def may_cross(state: SupervisorState, rule: SwitchingRule) -> bool:
@@ -105,21 +105,32 @@ def decide(
     present_cost
         J of ``state.windows`` in this step, at least 0; infinite if it has no solution.
     candidates
-        The others. A cost of NaN (no solution) is never chosen.
+        The others; the present one is passed over. A cost of NaN (no solution) is never chosen.
 
     Raises
     ------
     InputError
         If ``present_cost`` is NaN or negative.
     """
-    offered = list(candidates)
-    best = Candidate(state.windows, present_cost, Reach.FREE)
     limit = cost_limits(state, rule, present_cost).free
-    best = min((c for c in offered if c.reach == Reach.FREE and c.cost < limit), key=_rank, default=best)
-    limits = cost_limits(state, rule, best.cost)
-    best = min((c for c in offered if c.reach != Reach.FREE and c.cost < limits[c.reach]), key=_rank, default=best)
-    since = 0.0 if best.reach == Reach.CROSS else state.since_crossing
-    return SupervisorState(best.windows, since)
+    best = Candidate(state.windows, present_cost, Reach.FREE)
+    free: list[Candidate] = []
+    turning: list[Candidate] = []
+    for candidate in candidates:
+        if candidate.windows == state.windows:
+            continue
+        if candidate.reach:
+            turning.append(candidate)
+        elif candidate.cost < limit:
+            free.append(candidate)
+    if free:
+        best = min(free, key=_rank)
+    if turning:
+        limits = cost_limits(state, rule, best.cost)
+        best = min((c for c in turning if c.cost < limits[c.reach]), key=_rank, default=best)
+    if best.windows is state.windows:
+        return state
+    return SupervisorState(best.windows, 0.0 if best.reach == Reach.CROSS else state.since_crossing)
 
 
 def _rank(candidate: Candidate) -> tuple[float, int, tuple[int, ...]]:
