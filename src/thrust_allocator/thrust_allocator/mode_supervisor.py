@@ -10,7 +10,7 @@ from marine_model.errors import InputError
 from marine_model.gains import FixedRotatingGains
 from marine_model.guards import positive_number
 
-# s; a sum of 25 steps of 0.2 s may fall short of 5 s by rounding.
+# s; fifty steps of 0.1 s add up to less than 5 s, by rounding.
 _TIME_TOLERANCE = 1e-9
 
 

@@ -68,13 +68,14 @@ def test_hysteresis(rotating: bool, mean: float, expected: bool) -> None:
     assert state.since_switch == (math.inf if rotating == expected else 0.0)
 
 
-def test_dwell_is_25_samples() -> None:
-    state = next_mode(ModeState(False, 3.0), AUTO, GAINS, 3.0, 0.0, DT)
+@pytest.mark.parametrize(("dt", "samples"), [(0.2, 25), (0.1, 50), (0.05, 100)])  # the last two add up to less than 5
+def test_dwell_in_samples(dt: float, samples: int) -> None:
+    state = next_mode(ModeState(False, 3.0), AUTO, GAINS, 3.0, 0.0, dt)
     assert state.rotating
-    for _ in range(24):
-        state = next_mode(state._replace(mean_force=0.5), AUTO, GAINS, 0.5, 0.0, DT)
+    for _ in range(samples - 1):
+        state = next_mode(state._replace(mean_force=0.5), AUTO, GAINS, 0.5, 0.0, dt)
         assert state.rotating
-    assert next_mode(state._replace(mean_force=0.5), AUTO, GAINS, 0.5, 0.0, DT) == ModeState(False, 0.5, 0.0)
+    assert next_mode(state._replace(mean_force=0.5), AUTO, GAINS, 0.5, 0.0, dt) == ModeState(False, 0.5, 0.0)
 
 
 def test_direction_of_the_demand_does_not_matter() -> None:

@@ -155,3 +155,10 @@ def test_at_the_end_of_a_sector_thrust_is_full() -> None:
         0.2,
         1,
     ]
+
+
+def test_cybership3_may_reverse_in_its_fixed_directions() -> None:
+    vessel = load_vessel("cybership3")
+    for thruster, fixed in zip(vessel_sectors(vessel), vessel.fixed_direction, strict=True):
+        for direction in (fixed, fixed + math.pi):
+            assert any(holds(window, direction) for window in thruster.windows)

@@ -33,6 +33,8 @@ BOW, PORT, STARBOARD = vessel_sectors(load_vessel("cybership3"))[1:]
         (PORT, 0, -70, 0, False),
         (PORT, 1, -60, 40, False),  # to -20 of [-20, 159]
         (PORT, 0, 150, -41, False),
+        (PORT, 0, 159, -50, False),  # from the end of a forbidden sector, away from it
+        (STARBOARD, 0, -159, 50, False),
         (PORT, 2, -70, -40, True),  # to -110 of [-150, -110], through [-110, -70]
         (PORT, 2, 159, 51, True),  # to 210, through [159, 210]
         (PORT, 0, -110, 40, True),

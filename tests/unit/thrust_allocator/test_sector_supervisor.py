@@ -100,15 +100,15 @@ def test_time_goes_on(dt: float) -> None:
         advance(READY, dt)
 
 
-def test_dwell_is_fifteen_samples() -> None:
-    state = decide(advance(READY, 0.2), RULE, 1.0, [Candidate(THERE, 0.5, Reach.CROSS)])
+@pytest.mark.parametrize(("dt", "samples"), [(0.2, 15), (0.05, 60), (0.3, 10)])  # the last two add up to less than 3
+def test_dwell_in_samples(dt: float, samples: int) -> None:
+    state = decide(advance(READY, dt), RULE, 1.0, [Candidate(THERE, 0.5, Reach.CROSS)])
     assert state == (THERE, 0.0)
     back = [Candidate(HERE, 0.1, Reach.CROSS)]
-    for _ in range(14):
-        state = decide(advance(state, 0.2), RULE, 1.0, back)
+    for _ in range(samples - 1):
+        state = decide(advance(state, dt), RULE, 1.0, back)
         assert state.windows == THERE
-    state = decide(advance(state, 0.2), RULE, 1.0, back)
-    assert state == (HERE, 0.0)
+    assert decide(advance(state, dt), RULE, 1.0, back) == (HERE, 0.0)
 
 
 def test_only_a_crossing_begins_the_dwell_time() -> None:

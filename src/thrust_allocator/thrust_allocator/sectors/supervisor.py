@@ -11,7 +11,7 @@ from marine_model.gains import SectorGains
 from marine_model.guards import positive_number
 from thrust_allocator.sectors.path import Reach
 
-# s; a sum of fifteen steps of 0.2 s may fall short of 3 s by rounding.
+# s; sixty steps of 0.05 s add up to less than 3 s, by rounding.
 _TIME_TOLERANCE = 1e-9
 # Share of a cost that is rounding: where windows overlap their sub-problems are often the same, and must not alternate.
 _COST_ROUNDING = 1e-10
