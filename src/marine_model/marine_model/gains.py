@@ -68,6 +68,31 @@ class ControllerGains(Section):
     reference: ReferenceGains
 
 
+class SectorGains(Section):
+    """When the allocator changes from one window of directions to another, [Ruth] (6.2), Table 6.2."""
+
+    dwell_time: NonNegative  # s, t_lim, between two crossings of a forbidden sector
+    hysteresis: NonNegative  # J_lim, decades of the cost
+
+
+class FixedRotatingGains(Section):
+    """When azimuth thrusters are held and when they rotate, [Ruth] (6.3)-(6.5), Table 6.3."""
+
+    force_limit: Positive  # N, tau_lim
+    hysteresis: NonNegative  # N, tau_hyst
+    dwell_time: NonNegative  # s, t_lim
+    filter_frequency: Positive  # rad/s, omega
+
+    @model_validator(mode="after")
+    def _there_is_a_way_back(self) -> Self:
+        if self.hysteresis >= self.force_limit:
+            raise ValueError(
+                "hysteresis must be below force_limit, or the thrusters are never held again, found "
+                f"{self.hysteresis} and {self.force_limit}"
+            )
+        return self
+
+
 class AllocatorGains(Section):
     """Weights and constants of the allocation problem, [Ruth] 4.4 and B.3.4."""
 
@@ -76,6 +101,8 @@ class AllocatorGains(Section):
     thrust_weight: Annotated[tuple[Positive, ...], Field(strict=False)]  # diagonal of W_u
     approach_fraction: Annotated[float, Field(ge=0.0, lt=1.0)]  # c_1 of (4.14)-(4.17)
     zero_region: Annotated[float, Field(gt=0.0, le=0.1)]  # c_2 of (4.38)-(4.39)
+    sectors: SectorGains | None = None  # needed where a thruster has sectors
+    fixed_rotating: FixedRotatingGains | None = None
 
 
 class ShaftSpeedGains(Section):

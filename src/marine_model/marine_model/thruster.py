@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from marine_model.schema import NonNegative, Positive, Section, Vector3
+from marine_model.sector import Direction, Sector, check_sectors
 
 
 class ThrustLimits(Section):
@@ -29,8 +29,14 @@ class ThrustLimits(Section):
 class AzimuthLimits(Section):
     """Direction of the thruster force, [Ruth] (4.8)-(4.9)."""
 
-    fixed: float = Field(ge=-math.pi, le=math.pi)  # rad, direction when held fixed
+    fixed: Direction  # rad, direction when held fixed
     rate: Positive  # rad/s, largest turning rate
+    sectors: Annotated[tuple[Sector, ...], Field(strict=False)] = ()
+
+    @model_validator(mode="after")
+    def _sectors_agree(self) -> Self:
+        check_sectors(self.sectors, self.fixed)
+        return self
 
 
 class PropellerData(Section):
@@ -69,7 +75,7 @@ class TunnelThruster(_Thruster):
     """A thruster whose direction never changes."""
 
     type: Literal["tunnel"]
-    direction: float = Field(ge=-math.pi, le=math.pi)  # rad, 0 ahead, positive to starboard
+    direction: Direction  # rad, 0 ahead, positive to starboard
 
     @property
     def fixed_direction(self) -> float:

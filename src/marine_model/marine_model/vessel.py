@@ -20,6 +20,7 @@ from marine_model.guards import FloatArray
 from marine_model.hull import Manoeuvring, Particulars, WaveForces
 from marine_model.propeller import BollardPropellers
 from marine_model.schema import FieldError, Positive, Section
+from marine_model.sector import Sector
 from marine_model.thruster import AzimuthThruster, Thruster
 from marine_model.thruster_configuration import cartesian_configuration
 
@@ -58,6 +59,9 @@ class Vessel(Section):
         n, weights = len(self.thrusters), len(self.allocator.thrust_weight)
         if weights != n:
             raise FieldError(("allocator", "thrust_weight"), f"expected {n} numbers, one a thruster, found {weights}")
+        if self.allocator.sectors is None and any(self.sectors):
+            name = next(name for name, sectors in zip(names, self.sectors, strict=True) if sectors)
+            raise FieldError(("allocator",), f"expected a field 'sectors', because thruster '{name}' has sectors")
         if not np.any(self.lever_x) and not np.any(self.lever_y):
             raise FieldError(("thrusters",), "all lever arms are zero, so that no yaw moment is possible")
         if np.linalg.matrix_rank(self._attainable_directions()) < 3:
@@ -135,6 +139,11 @@ class Vessel(Section):
     def azimuth_rate(self) -> FloatArray:
         """Largest commanded turning rate, rad/s; 0 for a tunnel thruster."""
         return _frozen([t.azimuth.rate if isinstance(t, AzimuthThruster) else 0.0 for t in self.thrusters])
+
+    @cached_property
+    def sectors(self) -> tuple[tuple[Sector, ...], ...]:
+        """Forbidden and reduced sectors of every thruster; none for a tunnel thruster."""
+        return tuple(t.azimuth.sectors if isinstance(t, AzimuthThruster) else () for t in self.thrusters)
 
     @cached_property
     def propellers(self) -> BollardPropellers:
