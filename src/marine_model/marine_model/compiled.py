@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -39,7 +39,7 @@ class _PackageCache(FunctionCache):  # type: ignore[misc]
         self._cache_file._source_stamp = tuple(_stamp(name) for name in sorted(packages))
 
 
-@lru_cache(maxsize=None)
+@cache
 def _stamp(package: str) -> tuple[tuple[str, int, int], ...]:
     """Return name, time and size of every source file of a package that is being imported."""
     found = []
