@@ -73,7 +73,8 @@ def propeller_weights(power_per_thrust_3_2: ArrayLike) -> FloatArray:
         raise InputError(f"power_per_thrust_3_2: expected one number a thruster, found shape {coefficient.shape}")
     if not (np.isfinite(coefficient).all() and (coefficient > 0.0).all()):
         raise InputError(f"power_per_thrust_3_2: expected finite numbers above 0, found {coefficient.tolist()}")
-    return coefficient / coefficient.mean()
+    weight: FloatArray = coefficient / coefficient.mean()
+    return weight
 
 
 @compiled

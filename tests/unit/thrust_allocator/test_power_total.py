@@ -57,7 +57,9 @@ def test_total_is_that_of_the_propellers() -> None:
     ],
 )
 def test_correction(measured, before, age, factor, source) -> None:
-    assert measured_correction(measured, before, age, 1.0, 100.0) == (pytest.approx(factor), source)
+    found = measured_correction(measured, before, age, 1.0, 100.0)
+    assert found.factor == pytest.approx(factor)
+    assert found.source is source
 
 
 def test_u_by_hand() -> None:

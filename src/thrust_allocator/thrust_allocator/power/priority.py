@@ -16,7 +16,7 @@ Commands = TypeVar("Commands")
 Allocate = Callable[[FloatArray, float], tuple[float, Commands]]
 
 # The search for the scale of surge and sway ends when this share of the available power is used, or with the calls.
-_USED = 0.999
+_USED = 0.995
 _CALLS = 8
 
 
@@ -81,8 +81,8 @@ def limit_total_power(
     thrusts of the demand are scaled at once, as (4.45)-(4.49) do.
 
     The least power for B T = tau is positively homogeneous of degree 3/2 and convex in tau, so that its power 2/3 is a
-    norm while nothing saturates, and convex and near a straight line along v: the search is a secant in it. Nothing
-    relies on that: every v is tried before it is used, and the answer is always one that was found to fit.
+    norm while nothing saturates, and near a straight line along v: the search interpolates it. Nothing relies on that:
+    every v is tried before it is used, and the answer is always one that was found to fit.
 
     Parameters
     ----------
@@ -119,30 +119,38 @@ def limit_total_power(
     if power > available:
         u = phase_back_factor(available, power)
         return PowerAnswer(PowerStage.PHASE_BACK, demanded, u**1.5 * power, commands, 0.0, u, made)
-    # Regula falsi in P^(2/3), Illinois variant: an end that stays twice counts half. Halving where that is slow.
-    low, high = 0.0, 1.0
-    target = available ** (2.0 / 3.0)
-    at_low, at_high = power ** (2.0 / 3.0) - target, above ** (2.0 / 3.0) - target
-    kept = 0  # calls in a row that the low end (below 0) or the high end has stayed
-    widths = [1.0, 1.0]
+    # Chandrupatla's root finder in P^(2/3), which takes inverse quadratic interpolation where it can be trusted and
+    # halves the bracket elsewhere. It aims at the middle of what is accepted.
+    aim = (0.5 * (1.0 + _USED) * available) ** (2.0 / 3.0)
+    scale, ends = 0.0, [(0.0, power ** (2.0 / 3.0) - aim), (1.0, above ** (2.0 / 3.0) - aim)]
+    last, opposite, before = ends[1], ends[0], ends[1]
+    share = ends[1][1] / (ends[1][1] - ends[0][1])
     while made < calls and power < _USED * available:
-        share = at_low / (at_low - at_high)
-        if high - low > 0.5 * widths[-2] and len(widths) > 3:
-            share = 0.5
-        v = low + share * (high - low)
+        v = last[0] + share * (opposite[0] - last[0])
         tried, answer = allocate(_scaled(tau, v), factor)
         made += 1
-        distance = tried ** (2.0 / 3.0) - target
-        if tried <= available:
-            low, power, commands, at_low = v, tried, answer, distance
-            kept = max(kept, 0) + 1
-            at_high *= 0.5 if kept > 1 else 1.0
+        point = (v, tried ** (2.0 / 3.0) - aim)
+        if tried <= available and v > scale:
+            scale, power, commands = v, tried, answer
+        if (point[1] > 0.0) == (last[1] > 0.0):
+            before = last
         else:
-            high, at_high = v, distance
-            kept = min(kept, 0) - 1
-            at_low *= 0.5 if kept < -1 else 1.0
-        widths.append(high - low)
-    return PowerAnswer(PowerStage.SURGE_SWAY_SCALED, demanded, power, commands, low, 1.0, made)
+            before, opposite = opposite, last
+        last = point
+        share = _next_share(last, opposite, before)
+    return PowerAnswer(PowerStage.SURGE_SWAY_SCALED, demanded, power, commands, scale, 1.0, made)
+
+
+def _next_share(last: tuple[float, float], opposite: tuple[float, float], before: tuple[float, float]) -> float:
+    """Return where to try next between ``last`` (0) and ``opposite`` (1), from three points and their values."""
+    (a, f_a), (b, f_b), (c, f_c) = last, opposite, before
+    if f_a == f_c or f_b == f_c:  # a power that stands still
+        return 0.5
+    place, value = (a - b) / (c - b), (f_a - f_b) / (f_c - f_b)
+    if not (value * value < place and (1.0 - value) ** 2 < 1.0 - place):
+        return 0.5
+    share = f_a / (f_b - f_a) * f_c / (f_b - f_c) + (c - a) / (b - a) * f_a / (f_c - f_a) * f_b / (f_c - f_b)
+    return min(max(share, 0.0), 1.0)
 
 
 def _scaled(tau: FloatArray, v: float) -> FloatArray:

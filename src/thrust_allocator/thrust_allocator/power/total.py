@@ -92,7 +92,7 @@ def phase_back_factor(available: float, demanded: float) -> float:
     """
     if demanded <= available:
         return 1.0
-    return max(available / demanded, 0.0) ** (2.0 / 3.0)
+    return math.pow(max(available / demanded, 0.0), 2.0 / 3.0)
 
 
 @compiled
