@@ -74,10 +74,12 @@ def limit_total_power(
     2. With the weight on yaw raised by ``yaw_weight_factor``, [Ruth] 4.4.3. It helps only in saturation: otherwise
        the slack is next to zero in all axes under either weight, the commands are the same and so is their power.
     3. With surge and sway scaled by the largest v in [0, 1] that fits, yaw kept.
-    4. With v = 0 and all thrusts scaled by u, (4.49), if yaw alone takes more than there is.
+    4. With the v of least power and all thrusts scaled by u, (4.49), if no v fits. v is 0, or more where yaw alone
+       takes more power than with some surge or sway.
 
-    The answer changes continuously with what is available: 3 ends where v = 0, and 4 begins there with u = 1. Scaling
-    the whole demand in 4 would take yaw away at that point and give surge and sway back. Without ``yaw_priority`` all
+    From 3 to 4 the answer changes continuously with what is available: 3 ends at the v of least power, and 4 begins
+    there with u = 1. Scaling the whole demand in 4 would take yaw away at that point and give surge and sway back.
+    Without ``yaw_priority`` all
     thrusts of the demand are scaled at once, as (4.45)-(4.49) do.
 
     The least power for B T = tau is positively homogeneous of degree 3/2 and convex in tau, so that its power 2/3 is a
@@ -98,7 +100,7 @@ def limit_total_power(
     yaw_priority
         Whether yaw gives way last.
     calls
-        Largest number of calls, 4 or more.
+        Largest number of calls, 6 or more.
     """
     demanded, commands = allocate(tau, 1.0)
     if demanded <= available:
@@ -116,13 +118,28 @@ def limit_total_power(
     factor = max(yaw_weight_factor, 1.0)
     power, commands = allocate(_scaled(tau, 0.0), factor)
     made += 1
+    scale = 0.0
+    if power > available:
+        # Yaw alone may take more than yaw with some surge or sway: P^(4/3) is a parabola in v while nothing saturates.
+        at_zero = power
+        tried, answer = allocate(_scaled(tau, 0.5), factor)
+        made += 1
+        middle = tried
+        if tried < power:
+            scale, power, commands = 0.5, tried, answer
+        v = _lowest(at_zero ** (4.0 / 3.0), middle ** (4.0 / 3.0), above ** (4.0 / 3.0))
+        if power > available and 0.0 < v < 1.0 and v != 0.5:
+            tried, answer = allocate(_scaled(tau, v), factor)
+            made += 1
+            if tried < power:
+                scale, power, commands = v, tried, answer
     if power > available:
         u = phase_back_factor(available, power)
-        return PowerAnswer(PowerStage.PHASE_BACK, demanded, u**1.5 * power, commands, 0.0, u, made)
+        return PowerAnswer(PowerStage.PHASE_BACK, demanded, u**1.5 * power, commands, scale, u, made)
     # Chandrupatla's root finder in P^(2/3), which takes inverse quadratic interpolation where it can be trusted and
     # halves the bracket elsewhere. It aims at the middle of what is accepted.
     aim = (0.5 * (1.0 + _USED) * available) ** (2.0 / 3.0)
-    scale, ends = 0.0, [(0.0, power ** (2.0 / 3.0) - aim), (1.0, above ** (2.0 / 3.0) - aim)]
+    ends = [(scale, power ** (2.0 / 3.0) - aim), (1.0, above ** (2.0 / 3.0) - aim)]
     last, opposite, before = ends[1], ends[0], ends[1]
     share = ends[1][1] / (ends[1][1] - ends[0][1])
     while made < calls and power < _USED * available:
@@ -139,6 +156,13 @@ def limit_total_power(
         last = point
         share = _next_share(last, opposite, before)
     return PowerAnswer(PowerStage.SURGE_SWAY_SCALED, demanded, power, commands, scale, 1.0, made)
+
+
+def _lowest(at_zero: float, middle: float, at_one: float) -> float:
+    """Return where the parabola through values at 0, 1/2 and 1 is lowest; 0 if it is not curved upwards."""
+    curvature = 2.0 * (at_zero - 2.0 * middle + at_one)
+    slope = 4.0 * middle - 3.0 * at_zero - at_one
+    return -slope / (2.0 * curvature) if curvature > 0.0 else 0.0
 
 
 def _next_share(last: tuple[float, float], opposite: tuple[float, float], before: tuple[float, float]) -> float:
