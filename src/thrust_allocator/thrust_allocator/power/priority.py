@@ -18,6 +18,9 @@ Allocate = Callable[[FloatArray, float], tuple[float, Commands]]
 # The search for the scale of surge and sway ends when this share of the available power is used, or with the calls.
 _USED = 0.995
 _CALLS = 8
+# Where least power is looked for when yaw alone takes too much: it is near 0 if it is not there.
+_FIRST = 0.25
+_NEAREST = 0.05
 
 
 class PowerStage(IntEnum):
@@ -79,8 +82,7 @@ def limit_total_power(
 
     From 3 to 4 the answer changes continuously with what is available: 3 ends at the v of least power, and 4 begins
     there with u = 1. Scaling the whole demand in 4 would take yaw away at that point and give surge and sway back.
-    Without ``yaw_priority`` all
-    thrusts of the demand are scaled at once, as (4.45)-(4.49) do.
+    Without ``yaw_priority`` all thrusts of the demand are scaled at once, as (4.45)-(4.49) do.
 
     The least power for B T = tau is positively homogeneous of degree 3/2 and convex in tau, so that its power 2/3 is a
     norm while nothing saturates, and near a straight line along v: the search interpolates it. Nothing relies on that:
@@ -120,15 +122,15 @@ def limit_total_power(
     made += 1
     scale = 0.0
     if power > available:
-        # Yaw alone may take more than yaw with some surge or sway: P^(4/3) is a parabola in v while nothing saturates.
+        # Yaw alone may take more than yaw with some surge or sway: P^(4/3) is near a parabola in v.
         at_zero = power
-        tried, answer = allocate(_scaled(tau, 0.5), factor)
+        tried, answer = allocate(_scaled(tau, _FIRST), factor)
         made += 1
         middle = tried
         if tried < power:
-            scale, power, commands = 0.5, tried, answer
+            scale, power, commands = _FIRST, tried, answer
         v = _lowest(at_zero ** (4.0 / 3.0), middle ** (4.0 / 3.0), above ** (4.0 / 3.0))
-        if power > available and 0.0 < v < 1.0 and v != 0.5:
+        if power > available and v != _FIRST:
             tried, answer = allocate(_scaled(tau, v), factor)
             made += 1
             if tried < power:
@@ -158,11 +160,12 @@ def limit_total_power(
     return PowerAnswer(PowerStage.SURGE_SWAY_SCALED, demanded, power, commands, scale, 1.0, made)
 
 
-def _lowest(at_zero: float, middle: float, at_one: float) -> float:
-    """Return where the parabola through values at 0, 1/2 and 1 is lowest; 0 if it is not curved upwards."""
-    curvature = 2.0 * (at_zero - 2.0 * middle + at_one)
-    slope = 4.0 * middle - 3.0 * at_zero - at_one
-    return -slope / (2.0 * curvature) if curvature > 0.0 else 0.0
+def _lowest(at_zero: float, at_first: float, at_one: float) -> float:
+    """Return where the parabola through values at 0, ``_FIRST`` and 1 is lowest, kept inside of 0 and 1."""
+    slope_first, slope_one = (at_first - at_zero) / _FIRST, at_one - at_zero
+    curvature = (slope_one - slope_first) / (1.0 - _FIRST)
+    lowest = 0.5 * (_FIRST - slope_first / curvature) if curvature > 0.0 else 0.0
+    return min(max(lowest, _NEAREST), 1.0 - _NEAREST)
 
 
 def _next_share(last: tuple[float, float], opposite: tuple[float, float], before: tuple[float, float]) -> float:
