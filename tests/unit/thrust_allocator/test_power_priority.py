@@ -173,7 +173,7 @@ def test_how_well_the_power_is_used() -> None:
         if answer.stage is PowerStage.SURGE_SWAY_SCALED:
             used.append(answer.power / available)
             calls.append(answer.calls)
-    # Measured: 254 cases; 99.75 % used in the median, 96.5 % in the worst hundredth, 94.2 % at least; 6 calls.
+    # Measured: 254 cases; 99.75 % used in the median, 96.9 % in the worst hundredth, 94.2 % at least; 6 calls.
     assert len(used) > 200
     assert np.median(used) > 0.995
     assert min(used) > 0.9
@@ -193,11 +193,11 @@ def test_yaw_alone_may_take_more_than_yaw_with_some_sway() -> None:
             between = limit_total_power(allocate, tau, 0.5 * (powers[0] + min(powers)))
             assert between.stage is PowerStage.SURGE_SWAY_SCALED
             assert (B @ between.commands)[2] == pytest.approx(tau[2], abs=1e-4)
-            below = limit_total_power(allocate, tau, 0.98 * min(powers))
+            below = limit_total_power(allocate, tau, 0.9 * min(powers))  # the grid of v misses the least by less
             assert below.stage is PowerStage.PHASE_BACK
             assert below.surge_sway_scale > 0.0
-            # 0.98^(2/3) = 0.987 at the v of least power; the parabola is not exactly there (measured: 0.982).
-            assert below.phase_back > 0.97
+            # 0.9^(2/3) = 0.932 at the v of least power; the parabola is not exactly there.
+            assert below.phase_back > 0.92
     assert found >= 10
 
 
