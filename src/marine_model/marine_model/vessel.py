@@ -18,6 +18,7 @@ from marine_model.gains import (
 )
 from marine_model.guards import FloatArray
 from marine_model.hull import Manoeuvring, Particulars, WaveForces
+from marine_model.power_plant import PowerPlant
 from marine_model.propeller import BollardPropellers
 from marine_model.schema import FieldError, Positive, Section
 from marine_model.sector import Sector
@@ -49,6 +50,7 @@ class Vessel(Section):
     drivers: DriverGains
     measurement: Measurement
     simulation: Simulation
+    power: PowerPlant = PowerPlant()
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -80,6 +82,24 @@ class Vessel(Section):
                 "expected a whole multiple of simulation.time_step, found "
                 f"{self.measurement.sample_time} and {self.simulation.time_step}",
             )
+        return self
+
+    @model_validator(mode="after")
+    def _buses_feed_what_is_there(self) -> Self:
+        names: set[str] = set()
+        bus_of: dict[str, str] = {}
+        for i, bus in enumerate(self.power.buses):
+            at = ("power", "buses", i)
+            if bus.name in names:
+                raise FieldError((*at, "name"), f"every name must be unique, found '{bus.name}' twice")
+            names.add(bus.name)
+            for k, thruster in enumerate(bus.thrusters):
+                if thruster not in self.thruster_names:
+                    known = ", ".join(self.thruster_names)
+                    raise FieldError((*at, "thrusters", k), f"expected one of {known}, found '{thruster}'")
+                if thruster in bus_of:
+                    raise FieldError((*at, "thrusters", k), f"'{thruster}' is on '{bus_of[thruster]}' already")
+                bus_of[thruster] = bus.name
         return self
 
     def _attainable_directions(self) -> FloatArray:
@@ -155,3 +175,21 @@ class Vessel(Section):
             torque_coefficient=_frozen([p.torque_coefficient for p in data]),
             density=self.density,
         )
+
+    @cached_property
+    def bus_members(self) -> FloatArray:
+        """Which thruster is on which bus, shape (number of buses, n): 1 where it is, 0 elsewhere."""
+        rows = [[float(name in bus.thrusters) for name in self.thruster_names] for bus in self.power.buses]
+        members = np.array(rows, dtype=np.float64).reshape(len(rows), len(self.thrusters))
+        members.setflags(write=False)
+        return members
+
+    @cached_property
+    def bus_limit(self) -> FloatArray:
+        """P_bus of every bus, W; infinite where none is given."""
+        return _frozen([np.inf if bus.limit is None else bus.limit for bus in self.power.buses])
+
+    @cached_property
+    def power_available(self) -> float:
+        """P_AV, W; infinite when none is given."""
+        return np.inf if self.power.available is None else self.power.available
