@@ -26,7 +26,7 @@ def compiled(function: F) -> F:
     return cast("F", dispatcher)
 
 
-class _PackageCache(FunctionCache):  # type: ignore[misc]
+class _PackageCache(FunctionCache):
     """Machine code that is good as long as no file of its package has changed.
 
     numba itself looks at the file of the function only, and would go on using what was compiled from a function that

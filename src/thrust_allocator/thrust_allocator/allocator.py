@@ -1,4 +1,4 @@
-"""Divides a demanded generalized force among the thrusters, [Ruth] 4.4 and 6.3."""
+"""Divides a demanded generalized force among the thrusters, [Ruth] chapters 4 to 7."""
 
 from __future__ import annotations
 
@@ -11,19 +11,27 @@ from numpy.typing import ArrayLike
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import wrap_angle
+from marine_model.gains import FixedRotatingGains, SectorGains
 from marine_model.guards import FloatArray, finite_vector, positive_number
+from thrust_allocator.cost import propeller_weights, reweight, thrust_floor
 from thrust_allocator.engine import Answer, Engine
-from thrust_allocator.limits import limit_table
-from thrust_allocator.phase import LOST
+from thrust_allocator.limits import Feathering, limit_table
+from thrust_allocator.mode_supervisor import AzimuthMode, ModeState, next_mode
+from thrust_allocator.phase import LOST, Limit
 from thrust_allocator.polar import Command
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.power import PowerLimiter, PowerReport
+from thrust_allocator.problem import AllocationProblem, Coupling
+from thrust_allocator.proportional import attainable_share
 from thrust_allocator.result import AllocationResult, Status
+from thrust_allocator.sectors import SectorControl, SectorReport, switching_rule
 from thrust_allocator.settings import AllocatorSettings, check_settings
 from thrust_allocator.solution import Solution
 
 # Demands beyond this multiple of all thrust and moment there is go to the solver along their direction at this size:
 # everything is saturated either way, and the arithmetic keeps its precision.
 _LARGEST_DEMAND = 10.0
+# Slack, as a share of the demand in the norm of its weights, from which a demand counts as out of reach.
+_OUT_OF_REACH = 1e-3
 
 
 class Allocator:
@@ -54,11 +62,17 @@ class Allocator:
         self._vessel = vessel
         self._n = len(vessel.thrusters)
         self._engine = Engine(vessel)
-        strength = float((vessel.thrust_max - vessel.thrust_min).sum())
+        self._span: FloatArray = vessel.thrust_max - vessel.thrust_min
+        strength = float(self._span.sum())
         arm = float(max(np.abs(vessel.lever_x).max(), np.abs(vessel.lever_y).max()))
         self._largest_force = _LARGEST_DEMAND * strength
         self._largest_moment = _LARGEST_DEMAND * strength * arm
-        self.apply(settings if settings is not None else AllocatorSettings())
+        self._floor = thrust_floor(vessel.thrust_min, vessel.thrust_max)
+        self._cost_factor = np.ones(self._n)
+        self._sectors = SectorControl(vessel, self._engine.columns, self._engine.compliance)
+        self._power = PowerLimiter(vessel, self._engine)
+        self._feathering = Feathering(self._n)
+        self.apply(settings if settings is not None else AllocatorSettings.for_vessel(vessel))
         self.reset(thrust, azimuth)
 
     @property
@@ -93,7 +107,17 @@ class Allocator:
         self._engine.use(settings.solver)
         self._settings = settings
         self._longest_step = settings.longest_step * self._vessel.measurement.sample_time
+        self._mode = AzimuthMode.parse(settings.azimuth_mode)
+        self._auto = FixedRotatingGains(**settings.auto.model_dump())
         self._limits = limit_table(self._vessel, settings)
+        self._feathering.apply(self._limits, settings.feather_time)
+        rule = switching_rule(SectorGains(**settings.sectors.model_dump(exclude={"enabled"})))
+        self._sectors.apply(self._limits, rule)
+        self._power.apply(settings.power)
+        weight = self._engine.weights.thrust
+        if settings.thrust_weight == "propeller":
+            weight = propeller_weights(self._engine.power_factor)
+        self._weight = weight
 
     def reset(self, thrust: ArrayLike | None = None, azimuth: ArrayLike | None = None) -> None:
         """Start from the given operating point, as if it had been commanded; a new allocator does the same.
@@ -121,6 +145,14 @@ class Allocator:
         self._multiplier = np.zeros(3)
         self._demand = np.zeros(3)
         self._answer: Answer | None = None
+        self._mode_state = ModeState()
+        self._sectors.reset()
+        self._power.reset()
+        self._feathering.reset()
+
+    def measure_power(self, power: float) -> None:
+        """Take the measured power of all thrusters together (W): it corrects the prediction, [Ruth] (4.44)."""
+        self._power.measure(power)
 
     def step(self, tau_desired: ArrayLike, dt: float) -> AllocationResult:
         """Return thrusts and directions for a demand; always within the limits.
@@ -140,10 +172,27 @@ class Allocator:
         """
         started = perf_counter()
         tau, status, message = self._accept(tau_desired)
-        dt = min(positive_number("dt", dt), self._longest_step)
-        answer = self._engine.run(
-            self._limits, self._before, self._multiplier, self._engine.weights.thrust, self._tamed(tau), dt
-        )
+        elapsed = positive_number("dt", dt)
+        dt = min(elapsed, self._longest_step)
+        settings, limits, before = self._settings, self._limits, self._before
+        rotating = self._choose_mode(tau, elapsed)
+        if self._feathering.active:
+            self._feathering.step(limits, dt)
+        tamed = self._tamed(tau)
+        weight = self._weight_now()
+        sectors: SectorReport | None = None
+        if settings.sectors.enabled:
+            sectors = self._sectors.step(limits, before, self._weight, tamed, elapsed)
+        power: PowerReport | None = None
+        if settings.power.limit == "none":
+            answer = self._run(limits, before, weight, tamed, dt)
+        else:
+            answer, power = self._power.step(
+                lambda demand, coupling, yaw: self._run(limits, before, weight, demand, dt, coupling, yaw),
+                before,
+                tamed,
+                dt,
+            )
         if answer.complaint:
             status = Status.HOLD
             message = f"{message}; {answer.complaint}" if message else answer.complaint
@@ -161,11 +210,59 @@ class Allocator:
             solve_time=perf_counter() - started,
             status=status,
             message=message,
-            azimuth_mode="fixed" if self._settings.azimuth_mode == "fixed" else "rotating",
+            azimuth_mode="rotating" if rotating else "fixed",
             solver=self._engine.solver,
+            sectors=sectors,
+            power=power,
             problem=answer.problem if failed else None,
             solution=answer.solution if failed else None,
         )
+
+    def _choose_mode(self, tau: FloatArray, elapsed: float) -> bool:
+        """Return whether azimuth thrusters rotate in this step, and write it into the limits."""
+        if self._mode is not AzimuthMode.AUTO:
+            return self._mode is AzimuthMode.VARIABLE
+        self._mode_state = next_mode(
+            self._mode_state, self._mode, self._auto, float(tau[0]), float(tau[1]), elapsed
+        )
+        rotating = self._mode_state.rotating
+        self._limits[:, Limit.ROTATING] = rotating
+        return rotating
+
+    def _weight_now(self) -> FloatArray:
+        """Return the diagonal of W_u^2 for this step, shape (n,)."""
+        if self._settings.cost == "quadratic":
+            return self._weight
+        weight = np.empty(self._n)
+        thrust = np.ascontiguousarray(self._before[:, Command.THRUST])
+        reweight(self._weight, self._cost_factor, thrust, self._floor, weight)
+        return weight
+
+    def _run(
+        self,
+        limits: FloatArray,
+        before: FloatArray,
+        weight: FloatArray,
+        tau: FloatArray,
+        dt: float,
+        coupling: Coupling | None = None,
+        yaw_factor: float = 1.0,
+    ) -> Answer:
+        """Allocate without power limits; what is out of reach is given up as the settings say."""
+        answer = self._engine.run(limits, before, self._multiplier, weight, tau, dt, coupling, yaw_factor)
+        if self._settings.over_demand == "slack" or answer.complaint:
+            return answer
+        scale = 1.0 / np.sqrt(answer.compliance)
+        missed, size = float(np.linalg.norm(scale * (tau - answer.totals[:3]))), float(np.linalg.norm(scale * tau))
+        if missed <= _OUT_OF_REACH * size:
+            return answer
+        share = attainable_share(self._engine, answer, self._span)
+        reduced = self._engine.run(limits, before, answer.multiplier, weight, share * tau, dt, coupling, yaw_factor)
+        if reduced.complaint:
+            return answer
+        reduced.tau = tau
+        self._engine.add_up(reduced)
+        return reduced
 
     def _accept(self, tau_desired: ArrayLike) -> tuple[FloatArray, Status, str]:
         """Return the demand to allocate, a copy."""

@@ -48,6 +48,8 @@ class Answer:
         Cartesian thrusts that the solver answered, shape (n, 2), N.
     weight
         Diagonal of W_u^2 that was used, shape (n,).
+    compliance
+        Diagonal of Q^-1 that was used, shape (3,).
     steps
         As the solver counts them.
     complaint
@@ -63,6 +65,7 @@ class Answer:
     multiplier: FloatArray
     force: FloatArray
     weight: FloatArray
+    compliance: FloatArray
     steps: int
     complaint: str = ""
     problem: AllocationProblem | None = None
@@ -83,7 +86,7 @@ class Engine:
         self.weights = Weights.of(vessel)
         self.columns = self.weights.columns
         self.power_factor = vessel.propellers.power_per_thrust_3_2.copy()
-        self._compliance = 1.0 / self.weights.slack
+        self.compliance = 1.0 / self.weights.slack
         self._approach = vessel.allocator.approach_fraction
         self._zero_region = vessel.allocator.zero_region
         self._accepted_force = _ACCEPTED_FORCE * float((vessel.thrust_max - vessel.thrust_min).sum())
@@ -113,6 +116,7 @@ class Engine:
         tau: FloatArray,
         dt: float,
         coupling: Coupling | None = None,
+        yaw_factor: float = 1.0,
     ) -> Answer:
         """Allocate ``tau`` in one step.
 
@@ -132,8 +136,13 @@ class Engine:
             Time step, s.
         coupling
             Limits shared by several thrusters, if any.
+        yaw_factor
+            Factor on the weight of the slack in yaw, W_v.
         """
         n = self._shape
+        compliance = self.compliance
+        if yaw_factor != 1.0:
+            compliance = compliance / np.array((1.0, 1.0, yaw_factor**2))
         answer = Answer(
             tau,
             np.empty((n, 6)),
@@ -142,11 +151,12 @@ class Engine:
             multiplier.copy(),
             np.zeros((n, 2)),
             weight,
+            compliance,
             0,
         )
         if self._solver.name == NAME and coupling is None:
             steps = allocate(
-                limits, before, self.columns, weight, self._compliance, self.power_factor, tau, dt, self._approach,
+                limits, before, self.columns, weight, compliance, self.power_factor, tau, dt, self._approach,
                 self._zero_region, answer.multiplier, answer.plans, self._corners, self._count, answer.force,
                 self._face, self._work, self._gradient, answer.commands, answer.totals,
             )  # fmt: skip
@@ -166,15 +176,29 @@ class Engine:
             lower, upper = answer.plans[:, Plan.LOWER], answer.plans[:, Plan.UPPER]
             answer.commands[:, Command.THRUST] = np.minimum(np.maximum(before[:, 0], lower), upper)
             answer.commands[:, Command.AZIMUTH] = held
-        add_up(self.columns, weight, self._compliance, self.power_factor, tau, answer.commands, answer.totals)
+        self.add_up(answer)
         answer.totals[Total.STATIONARITY] = 0.0 if answer.solution is None else answer.solution.residuals.stationarity
         return answer
+
+    def add_up(self, answer: Answer) -> None:
+        """Sum up the commands of ``answer`` anew, after they have been changed."""
+        add_up(
+            self.columns,
+            answer.weight,
+            answer.compliance,
+            self.power_factor,
+            answer.tau,
+            answer.commands,
+            answer.totals,
+        )
 
     def problem(self, answer: Answer, coupling: Coupling | None = None) -> AllocationProblem:
         """Return the problem that a run solved, as an object."""
         weights = self.weights
-        if answer.weight is not weights.thrust:
-            weights = Weights(weights.lever_x, weights.lever_y, weights.slack, answer.weight, weights.zero_region)
+        if answer.weight is not weights.thrust or answer.compliance is not self.compliance:
+            weights = Weights(
+                weights.lever_x, weights.lever_y, 1.0 / answer.compliance, answer.weight, weights.zero_region
+            )
         return AllocationProblem(weights, answer.plans, answer.tau, coupling)
 
     def solution(self, answer: Answer) -> Solution | None:

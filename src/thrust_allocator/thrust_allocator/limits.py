@@ -34,3 +34,42 @@ def limit_table(vessel: Vessel, settings: AllocatorSettings) -> FloatArray:
     table[:, Limit.REACH_HIGH] = np.inf
     table[:, Limit.FACTOR] = 1.0
     return table
+
+
+class Feathering:
+    """Lets the thrust limits of a thruster that is enabled again grow from nothing.
+
+    Parameters
+    ----------
+    n
+        Number of thrusters.
+    """
+
+    def __init__(self, n: int) -> None:
+        self._share = np.ones(n)
+        self._enabled = np.ones(n)
+        self._thrust = np.zeros((n, 2))
+        self.active = False
+
+    def reset(self) -> None:
+        """Let every thruster have its full limits at once."""
+        self._share[:] = 1.0
+        self.active = False
+
+    def apply(self, limits: FloatArray, time: float) -> None:
+        """Take new limits, shape (n, 14), and the time (s) that a thruster takes to come back; 0 for none."""
+        enabled = limits[:, Limit.ENABLED]
+        if time > 0.0:
+            self._share[(enabled != 0.0) & (self._enabled == 0.0)] = 0.0
+            self._rate = 1.0 / time
+        else:
+            self._share[:] = 1.0
+        self._enabled = enabled.copy()
+        self._thrust[:] = limits[:, [Limit.THRUST_MIN, Limit.THRUST_MAX]]
+        self.active = bool((self._share < 1.0).any())
+
+    def step(self, limits: FloatArray, dt: float) -> None:
+        """Write the limits of a step of ``dt`` (s) into ``limits``."""
+        self._share = np.minimum(self._share + self._rate * dt * self._enabled, 1.0)
+        limits[:, [Limit.THRUST_MIN, Limit.THRUST_MAX]] = self._share[:, None] * self._thrust
+        self.active = bool((self._share < 1.0).any())

@@ -8,7 +8,9 @@ from enum import StrEnum
 from marine_model.guards import FloatArray
 from thrust_allocator.phase import Phase
 from thrust_allocator.polar import Command
+from thrust_allocator.power.limiter import PowerReport
 from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.sectors.control import SectorReport
 from thrust_allocator.solution import Solution
 from thrust_allocator.step import Total
 
@@ -49,6 +51,10 @@ class AllocationResult:
         Mode in force: fixed or rotating.
     solver
         Name of the solver.
+    sectors
+        What the supervisor of sectors decided; None without sectors.
+    power
+        What power had to do with it; None without a limit of power.
     problem, solution
         On a failure the problem and what the solver made of it, for debugging; None otherwise.
     """
@@ -61,6 +67,8 @@ class AllocationResult:
     message: str
     azimuth_mode: str
     solver: str
+    sectors: SectorReport | None
+    power: PowerReport | None
     problem: AllocationProblem | None
     solution: Solution | None
 
@@ -91,8 +99,13 @@ class AllocationResult:
 
     @property
     def demanded_power(self) -> float:
-        """Propeller power of the commanded thrusts by (3.11), thrusters that are not lost, W."""
-        return float(self.totals[Total.POWER])
+        """Predicted power of the demand before any limit of power, W: what a power plant is to be told."""
+        return float(self.totals[Total.POWER]) if self.power is None else self.power.demanded
+
+    @property
+    def commanded_power(self) -> float:
+        """Predicted power of the commands, W, thrusters that are not lost; (3.11), corrected by (4.44) if measured."""
+        return float(self.totals[Total.POWER]) if self.power is None else self.power.commanded
 
     @property
     def phase(self) -> tuple[Phase, ...]:

@@ -13,6 +13,51 @@ from marine_model.settings import Settings, setting
 from thrust_allocator.active_set_solver import NAME
 from thrust_allocator.solvers import check_solver
 
+Switches = Annotated[tuple[bool, ...], Field(strict=False)]
+Fractions = Annotated[tuple[Fraction, ...], Field(strict=False)]
+# W; what stands for no limit, where a vessel file gives none.
+UNLIMITED = 1e9
+Powers = Annotated[tuple[Annotated[float, Field(ge=0.0, le=UNLIMITED)], ...], Field(strict=False)]
+
+
+class SectorSettings(Settings):
+    """Forbidden and reduced sectors, [Ruth] 6.4.1; the sectors themselves belong to the vessel file."""
+
+    enabled: bool = setting(False, "Keep rotating thrusters out of the forbidden sectors of the vessel file")
+    hysteresis: float = setting(
+        0.04, "How much lower log10 of the cost must be to turn a thruster for it, J_lim", ge=0.0, le=10.0
+    )
+    dwell_time: float = setting(
+        3.0, "Least time between two passages through forbidden sectors, t_lim", unit="s", ge=0.0, le=3600.0
+    )
+
+
+class AutoSettings(Settings):
+    """Supervisor of azimuth_mode = auto, [Ruth] (6.3)-(6.5)."""
+
+    force_limit: float = setting(
+        1.5, "Filtered surge-sway demand around which thrusters change between fixed and rotating", unit="N", ge=0.0
+    )
+    hysteresis: float = setting(0.2, "How far beyond the limit a change happens", unit="N", ge=0.0)
+    dwell_time: float = setting(5.0, "Least time between two changes", unit="s", ge=0.0, le=3600.0)
+    filter_frequency: float = setting(
+        0.2, "Corner of the low-pass filter of the demand", unit="rad/s", ge=1e-6, le=1e3
+    )
+
+
+class PowerSettings(Settings):
+    """Limits of power, [Ruth] 4.4.3."""
+
+    limit: Literal["none", "total", "bus", "both"] = setting("none", "Which limits of power are kept")
+    available: float = setting(
+        UNLIMITED, "Power of all thrusters together that the plant can give", unit="W", ge=0.0, le=UNLIMITED
+    )
+    bus_limit: Powers = setting((), "Per bus of the vessel file: power of its thrusters together", unit="W")
+    priority: Literal["yaw", "equal"] = setting(
+        "yaw", "What gives way to the total limit: surge and sway before yaw, or all in equal shares"
+    )
+    measured: bool = setting(True, "Correct the prediction by the power that thruster_feedback tells, (4.44)")
+
 
 class AllocatorSettings(Settings):
     """Settings of :class:`~thrust_allocator.allocator.Allocator`.
@@ -21,23 +66,41 @@ class AllocatorSettings(Settings):
     every thruster.
     """
 
-    azimuth_mode: Literal["fixed", "rotating", "variable"] = setting(
-        "fixed", "Azimuth thrusters are held in their fixed directions, or rotate freely (rotating, variable)"
+    azimuth_mode: Literal["fixed", "rotating", "variable", "auto"] = setting(
+        "fixed",
+        "Azimuth thrusters are held in their fixed directions, rotate (rotating, or variable), or change between both "
+        "with the size of the demand (auto)",
+    )
+    cost: Literal["quadratic", "power_3_2"] = setting(
+        "quadratic", "Cost of thrust: its square, or true to power by re-weighting with the thrust of the step before"
+    )
+    thrust_weight: Literal["vessel", "propeller"] = setting(
+        "vessel", "Weights of the cost of thrust: those of the vessel file, or from propeller data by (5.9)-(5.10)"
+    )
+    over_demand: Literal["slack", "proportional"] = setting(
+        "slack", "What is out of reach is missed by axis as slack_weight says, or in all axes in proportion"
     )
     solver: str = setting(
         NAME, "Solver of the quadratic program: active_set, daqp, or the name of one behind qpsolvers"
     )
-    thruster_enabled: Annotated[tuple[bool, ...], Field(strict=False)] = setting(
+    thruster_enabled: Switches = setting(
         (), "Per thruster: false for a lost thruster, whose command is ramped to zero"
     )
-    azimuth_enabled: Annotated[tuple[bool, ...], Field(strict=False)] = setting(
+    azimuth_enabled: Switches = setting(
         (), "Per thruster: false for one that cannot turn and keeps its present direction"
     )
-    thrust_limit_scale: Annotated[tuple[Fraction, ...], Field(strict=False)] = setting(
+    thrust_limit_scale: Fractions = setting(
         (), "Per thruster: fraction of the thrust limits that may be used, 0 to 1"
     )
-    azimuth_rate_scale: Annotated[tuple[Fraction, ...], Field(strict=False)] = setting(
+    azimuth_rate_scale: Fractions = setting(
         (), "Per thruster: fraction of the azimuth rate that may be used, 0 to 1; at 0 it cannot turn"
+    )
+    feather_time: float = setting(
+        0.0,
+        "Time in which the thrust limits of a thruster grow from nothing when it is enabled again",
+        unit="s",
+        ge=0.0,
+        le=3600.0,
     )
     longest_step: float = setting(
         1.5,
@@ -46,17 +109,29 @@ class AllocatorSettings(Settings):
         ge=1.0,
         le=100.0,
     )
+    auto: AutoSettings = Field(default=AutoSettings())
+    sectors: SectorSettings = Field(default=SectorSettings())
+    power: PowerSettings = Field(default=PowerSettings())
 
     @classmethod
     def for_vessel(cls, vessel: Vessel, **overrides: Any) -> Self:
-        """Return settings whose fields over thrusters are written out for ``vessel``."""
+        """Return settings with the numbers of ``vessel``: fields over thrusters written out, supervisors, power."""
         n = len(vessel.thrusters)
+        gains = vessel.allocator
         values: dict[str, Any] = {
             "thruster_enabled": (True,) * n,
             "azimuth_enabled": (True,) * n,
             "thrust_limit_scale": (1.0,) * n,
             "azimuth_rate_scale": (1.0,) * n,
         }
+        if gains.fixed_rotating is not None:
+            values["auto"] = AutoSettings(**gains.fixed_rotating.model_dump())
+        if gains.sectors is not None:
+            values["sectors"] = SectorSettings(**gains.sectors.model_dump())
+        values["power"] = PowerSettings(
+            available=min(vessel.power_available, UNLIMITED),
+            bus_limit=tuple(min(limit, UNLIMITED) for limit in vessel.bus_limit.tolist()),
+        )
         return cls(**(values | overrides))
 
 
@@ -66,7 +141,8 @@ def check_settings(settings: AllocatorSettings, vessel: Vessel) -> None:
     Raises
     ------
     InputError
-        If a field over thrusters has the wrong length, or the solver is unknown or not installed.
+        If a field over thrusters has the wrong length, the solver is unknown or not installed, or a limit of power is
+        asked for that was not given.
     """
     n = len(vessel.thrusters)
     for name in ("thruster_enabled", "azimuth_enabled", "thrust_limit_scale", "azimuth_rate_scale"):
@@ -76,3 +152,16 @@ def check_settings(settings: AllocatorSettings, vessel: Vessel) -> None:
                 f"{name}: expected {n} elements, one a thruster ({', '.join(vessel.thruster_names)}), found {found}"
             )
     check_solver(settings.solver)
+    buses, found = len(vessel.power.buses), len(settings.power.bus_limit)
+    if settings.power.limit in ("bus", "both") and (found != buses or not buses):
+        raise InputError(
+            f"power.bus_limit: expected {buses} elements, one a bus of the vessel file"
+            f"{', and at least one bus' if not buses else ''}, found {found}"
+        )
+    if settings.sectors.enabled and not any(vessel.sectors):
+        raise InputError(f"sectors.enabled: expected a vessel with sectors, found none in '{vessel.name}'")
+    if settings.auto.hysteresis >= settings.auto.force_limit:
+        raise InputError(
+            "auto.hysteresis: expected less than auto.force_limit, or the thrusters are never held again, found "
+            f"{settings.auto.hysteresis} and {settings.auto.force_limit}"
+        )

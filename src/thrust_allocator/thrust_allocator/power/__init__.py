@@ -1,6 +1,7 @@
 """Limits of power: total, with yaw served first, and by bus; [Ruth] 4.4.3."""
 
 from thrust_allocator.power.bus import BusRowKind, bus_row, tangent_excess
+from thrust_allocator.power.limiter import PowerLimiter, PowerReport
 from thrust_allocator.power.priority import PowerAnswer, PowerStage, limit_total_power
 from thrust_allocator.power.total import (
     Correction,
@@ -17,6 +18,8 @@ __all__ = [
     "Correction",
     "CorrectionSource",
     "PowerAnswer",
+    "PowerLimiter",
+    "PowerReport",
     "PowerStage",
     "bus_row",
     "full_power",

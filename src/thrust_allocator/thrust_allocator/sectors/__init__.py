@@ -1,5 +1,6 @@
 """Forbidden and reduced sectors of azimuth thrusters: windows, ways between them, and when to change."""
 
+from thrust_allocator.sectors.control import SectorControl, SectorReport
 from thrust_allocator.sectors.geometry import (
     Arc,
     ThrusterSectors,
@@ -37,6 +38,8 @@ __all__ = [
     "CostLimits",
     "Path",
     "Reach",
+    "SectorControl",
+    "SectorReport",
     "SectorTable",
     "SupervisorState",
     "SwitchingRule",
