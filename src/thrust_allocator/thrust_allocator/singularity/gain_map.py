@@ -73,7 +73,8 @@ def _columns_over(scaling: Scaling, j: int, angles: FloatArray) -> FloatArray:
     """Return thruster j's column of B_S at each angle, shape (len(angles), 3)."""
     c, s = np.cos(angles), np.sin(angles)
     moment = (scaling.lever_x[j] * s - scaling.lever_y[j] * c) / scaling.typical_arm
-    return np.column_stack([c, s, moment]) * (scaling.thrust_max[j] / scaling.mean_thrust_max)
+    columns: FloatArray = np.column_stack([c, s, moment]) * (scaling.thrust_max[j] / scaling.mean_thrust_max)
+    return columns
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""The shortest thrust that gives a generalized force, thrust confined to cones: [Ruth] (7.20)-(7.23), (7.101)-(7.103)."""
+"""The shortest thrust that gives a generalized force: [Ruth] (7.20)-(7.23), (7.101)-(7.103)."""
 
 from __future__ import annotations
 

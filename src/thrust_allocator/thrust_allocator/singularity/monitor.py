@@ -109,47 +109,58 @@ def monitor(
     if number < 0 or method == "svd":
         names = ", ".join(name for name in METHODS if name != "svd")
         raise InputError(f"method: expected one of {names}, found {method!r}")
-    time = finite_number("horizon", horizon)
-    numbers = np.empty((9, n))
-    for row, (name, value) in enumerate(
-        (
-            ("thrust", thrust),
-            ("azimuth", azimuth),
-            ("thrust_min", thrust_min),
-            ("thrust_max", thrust_max),
-            ("azimuth_rate", azimuth_rate),
-            ("delta_minus", delta_minus),
-            ("delta_plus", delta_plus),
-            ("turn_low", turn_low),
-            ("turn_high", turn_high),
-        )
-    ):
-        if value is None:
-            numbers[row] = -math.pi if name == "turn_low" else math.pi
-        else:
-            numbers[row] = finite_vector(name, value, n)
-    present = mask("enabled", enabled, n, default=True)
-    rotating = mask("may_rotate", may_rotate, n, default=False)
+    low = np.full(n, -math.pi) if turn_low is None else turn_low
+    high = np.full(n, math.pi) if turn_high is None else turn_high
+    vectors = (thrust, azimuth, thrust_min, thrust_max, azimuth_rate, delta_minus, delta_plus, low, high)
+    # One check for all, in compiled code; which one is at fault is found out only when one is.
+    for vector in vectors:
+        if getattr(vector, "shape", None) != (n,):
+            raise _complaint(n, vectors, horizon)
     direction = np.empty(3)
     readings = _read(
         scaling.lever_x,
         scaling.lever_y,
         scaling.typical_arm,
         scaling.mean_thrust_max,
-        numbers,
-        present,
-        rotating,
-        time,
+        np.array(vectors, dtype=np.float64),
+        mask("enabled", enabled, n, default=True),
+        mask("may_rotate", may_rotate, n, default=False),
+        float(horizon),
         int(watch),
         number,
         direction,
     )
     if readings[0] < 0.0:
-        raise InputError(
-            "thrust_min, delta_minus, turn_low: expected numbers not above 0; thrust_max, azimuth_rate, horizon, "
-            f"delta_plus, turn_high: expected numbers not below 0; found {numbers[2:].tolist()}, horizon {time}"
-        )
+        raise _complaint(n, vectors, horizon)
     return MonitorReading(readings[0], readings[1], readings[2], direction, readings[3], readings[4])
+
+
+_NAMES = (
+    "thrust",
+    "azimuth",
+    "thrust_min",
+    "thrust_max",
+    "azimuth_rate",
+    "delta_minus",
+    "delta_plus",
+    "turn_low",
+    "turn_high",
+)
+
+
+def _complaint(n: int, vectors: tuple[FloatArray, ...], horizon: float) -> InputError:
+    """Return the error that says which input is wrong; one of them is."""
+    try:
+        for name, vector in zip(_NAMES, vectors, strict=True):
+            finite_vector(name, vector, n)
+        finite_number("horizon", horizon)
+    except InputError as error:
+        return error
+    return InputError(
+        "thrust_min, delta_minus, turn_low: expected numbers not above 0; thrust_max, azimuth_rate, delta_plus, "
+        "turn_high, horizon: expected numbers not below 0; found "
+        f"{[np.asarray(vector).tolist() for vector in vectors[2:]]}, horizon {horizon}"
+    )
 
 
 @compiled
@@ -166,14 +177,17 @@ def _read(
     method: int,
     direction: FloatArray,
 ) -> tuple[float, float, float, float, float]:
-    """Return the three gains and the projection; the first is -1 if a number has the wrong sign.
+    """Return the three gains and the projection; the first is -1 if a number is not finite or of the wrong sign.
 
     Rows of ``numbers``, shape (9, n): thrust, azimuth, limits, turning rate, changes, turns.
     """
     n = len(lever_x)
-    if horizon < 0.0:
+    if not 0.0 <= horizon < math.inf:
         return -1.0, 0.0, 0.0, 0.0, 0.0
     for j in range(n):
+        for row in range(9):
+            if not math.isfinite(numbers[row, j]):
+                return -1.0, 0.0, 0.0, 0.0, 0.0
         for row in (2, 5, 7):
             if numbers[row, j] > 0.0:
                 return -1.0, 0.0, 0.0, 0.0, 0.0
