@@ -25,6 +25,7 @@ from thrust_allocator.singularity.jacobi import diagonalise
 from thrust_allocator.singularity.minimum_norm import LINE, PLANE, RAY, IntArray
 
 _FULL_TURN = 2.0 * math.pi
+_SAME_PLANE = 1e-13  # rad; planes that rounding alone may have set apart
 
 
 @compiled
@@ -149,16 +150,16 @@ def _minimum_on_sphere(B: FloatArray, kind: IntArray, edges: FloatArray, directi
         for i in range(1, 3):
             if abs(normal[i]) < abs(normal[a]):
                 a = i
-        b, c = (a + 1) % 3, (a + 2) % 3
-        length = math.sqrt(normal[b] ** 2 + normal[c] ** 2)
-        u1[a], u1[b], u1[c] = 0.0, -normal[c] / length, normal[b] / length
+        b, d = (a + 1) % 3, (a + 2) % 3
+        length = math.sqrt(normal[b] ** 2 + normal[d] ** 2)
+        u1[a], u1[b], u1[d] = 0.0, -normal[d] / length, normal[b] / length
         for i in range(3):
             u2[i] = normal[(i + 1) % 3] * u1[(i + 2) % 3] - normal[(i + 2) % 3] * u1[(i + 1) % 3]
         found = 0
         for k in range(count):
             p = walls[k, 0] * u1[0] + walls[k, 1] * u1[1] + walls[k, 2] * u1[2]
             q = walls[k, 0] * u2[0] + walls[k, 1] * u2[1] + walls[k, 2] * u2[2]
-            if k != w and p * p + q * q > 1e-24:  # not the same plane
+            if k != w and p * p + q * q > _SAME_PLANE * _SAME_PLANE:
                 angle = math.atan2(-p, q) % math.pi
                 angles[found] = angle
                 angles[found + 1] = angle + math.pi
@@ -175,13 +176,21 @@ def _minimum_on_sphere(B: FloatArray, kind: IntArray, edges: FloatArray, directi
             for a in range(3):
                 v[a] = math.cos(start) * u1[a] + math.sin(start) * u2[a]
             best = _offer(B, kind, edges, v, best, direction)
-            if width < 1e-12:
+            if width < _SAME_PLANE:
                 continue
             middle = start + 0.5 * width
-            tilt = 1e-3 * min(width, 1.0)  # into the cell on either side, and not out of it beyond
+            c, s = math.cos(middle), math.sin(middle)
+            tilt = 1.0  # into the cell on either side, and not out of it beyond: half way to the next plane
+            for k in range(count):
+                here, slope = 0.0, 0.0
+                for a in range(3):
+                    here += walls[k, a] * (c * u1[a] + s * u2[a])
+                    slope += walls[k, a] * normal[a]
+                if abs(here) > _SAME_PLANE and abs(here) < 2.0 * tilt * abs(slope):
+                    tilt = 0.5 * abs(here / slope)
             for side in (-1.0, 1.0):
                 for a in range(3):
-                    across[a] = math.cos(middle) * u1[a] + math.sin(middle) * u2[a] + side * tilt * normal[a]
+                    across[a] = c * u1[a] + s * u2[a] + side * tilt * normal[a]
                 _cell(B, kind, edges, across, M)
                 # The stationary points on the arc first: M restricted to the plane.
                 m11, m12, m22 = 0.0, 0.0, 0.0
@@ -194,9 +203,11 @@ def _minimum_on_sphere(B: FloatArray, kind: IntArray, edges: FloatArray, directi
                 for a in range(3):
                     v[a] = -math.sin(turn) * u1[a] + math.cos(turn) * u2[a]
                 best = _offer(B, kind, edges, v, best, direction)
+                rounding = 1e-14 * (M[0, 0] + M[1, 1] + M[2, 2])
                 diagonalise(M, vectors, 3)
                 for k in range(3):
-                    if M[k, k] < best:
+                    # The eigenvalue is no smaller than the minimum over the cell; it knows its digits from M's largest.
+                    if M[k, k] < best + rounding:
                         best = _offer(B, kind, edges, vectors[k], best, direction)
     return best
 

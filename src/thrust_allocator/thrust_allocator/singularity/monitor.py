@@ -114,7 +114,7 @@ def monitor(
     vectors = (thrust, azimuth, thrust_min, thrust_max, azimuth_rate, delta_minus, delta_plus, low, high)
     # One check for all, in compiled code; which one is at fault is found out only when one is.
     for vector in vectors:
-        if getattr(vector, "shape", None) != (n,):
+        if np.shape(vector) != (n,):
             raise _complaint(n, vectors, horizon)
     direction = np.empty(3)
     readings = _read(
