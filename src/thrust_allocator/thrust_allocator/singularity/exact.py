@@ -192,6 +192,14 @@ def _minimum_on_sphere(B: FloatArray, kind: IntArray, edges: FloatArray, directi
                 for a in range(3):
                     across[a] = c * u1[a] + s * u2[a] + side * tilt * normal[a]
                 _cell(B, kind, edges, across, M)
+                # No smaller value in this cell if M - best I is positive definite. M knows its digits from its trace.
+                level = best + 1e-14 * (M[0, 0] + M[1, 1] + M[2, 2])
+                m11, m22, m33 = M[0, 0] - level, M[1, 1] - level, M[2, 2] - level
+                minor = m11 * m22 - M[0, 1] * M[0, 1]
+                if m11 > 0.0 and minor > 0.0:
+                    m13, m23 = M[0, 2], M[1, 2]
+                    if m33 * minor > m13 * (m13 * m22 - m23 * M[0, 1]) + m23 * (m23 * m11 - m13 * M[0, 1]):
+                        continue
                 # The stationary points on the arc first: M restricted to the plane.
                 m11, m12, m22 = 0.0, 0.0, 0.0
                 for a in range(3):
@@ -203,12 +211,9 @@ def _minimum_on_sphere(B: FloatArray, kind: IntArray, edges: FloatArray, directi
                 for a in range(3):
                     v[a] = -math.sin(turn) * u1[a] + math.cos(turn) * u2[a]
                 best = _offer(B, kind, edges, v, best, direction)
-                rounding = 1e-14 * (M[0, 0] + M[1, 1] + M[2, 2])
                 diagonalise(M, vectors, 3)
                 for k in range(3):
-                    # The eigenvalue is no smaller than the minimum over the cell; it knows its digits from M's largest.
-                    if M[k, k] < best + rounding:
-                        best = _offer(B, kind, edges, vectors[k], best, direction)
+                    best = _offer(B, kind, edges, vectors[k], best, direction)
     return best
 
 
