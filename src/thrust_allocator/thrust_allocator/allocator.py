@@ -118,6 +118,7 @@ class Allocator:
         if settings.thrust_weight == "propeller":
             weight = propeller_weights(self._engine.power_factor)
         self._weight = weight
+        self._rehearse()
 
     def reset(self, thrust: ArrayLike | None = None, azimuth: ArrayLike | None = None) -> None:
         """Start from the given operating point, as if it had been commanded; a new allocator does the same.
@@ -218,13 +219,15 @@ class Allocator:
             solution=answer.solution if failed else None,
         )
 
+    def _rehearse(self) -> None:
+        """Go through a step of a twin, so that no step of this one waits for machine code to be loaded or compiled."""
+        _Twin(self._vessel, self._settings).step(self._vessel.thrust_max.sum() * np.ones(3), self._longest_step)
+
     def _choose_mode(self, tau: FloatArray, elapsed: float) -> bool:
         """Return whether azimuth thrusters rotate in this step, and write it into the limits."""
         if self._mode is not AzimuthMode.AUTO:
             return self._mode is AzimuthMode.VARIABLE
-        self._mode_state = next_mode(
-            self._mode_state, self._mode, self._auto, float(tau[0]), float(tau[1]), elapsed
-        )
+        self._mode_state = next_mode(self._mode_state, self._mode, self._auto, float(tau[0]), float(tau[1]), elapsed)
         rotating = self._mode_state.rotating
         self._limits[:, Limit.ROTATING] = rotating
         return rotating
@@ -286,3 +289,10 @@ class Allocator:
         x, y, n = tau.tolist()
         excess = max(abs(x) / self._largest_force, abs(y) / self._largest_force, abs(n) / self._largest_moment)
         return tau if excess <= 1.0 else tau / excess
+
+
+class _Twin(Allocator):
+    """An allocator that is stepped once and thrown away."""
+
+    def _rehearse(self) -> None:
+        """Have none of its own."""

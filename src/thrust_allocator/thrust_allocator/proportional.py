@@ -10,8 +10,8 @@ from thrust_allocator.engine import Answer, Engine
 from thrust_allocator.polygon import CORNERS
 from thrust_allocator.step import set_polygons
 
-# The demand given up costs this many times what all thrusters cost at full span, so that no thrust is saved by giving up
-# more; and the slack is made stiffer by as much again and more, so that it takes no part.
+# The demand given up costs this many times what all thrusters cost at full span, so that no thrust is saved by giving
+# up more; and the slack is made stiffer by as much again and more, so that it takes no part.
 _PRICE = 1e3
 _STIFFER = 1e-4
 

@@ -36,13 +36,11 @@ class AutoSettings(Settings):
     """Supervisor of azimuth_mode = auto, [Ruth] (6.3)-(6.5)."""
 
     force_limit: float = setting(
-        1.5, "Filtered surge-sway demand around which thrusters change between fixed and rotating", unit="N", ge=0.0
+        1.0, "Filtered surge-sway demand around which thrusters change between fixed and rotating", unit="N", ge=0.0
     )
-    hysteresis: float = setting(0.2, "How far beyond the limit a change happens", unit="N", ge=0.0)
+    hysteresis: float = setting(0.1, "How far beyond the limit a change happens", unit="N", ge=0.0)
     dwell_time: float = setting(5.0, "Least time between two changes", unit="s", ge=0.0, le=3600.0)
-    filter_frequency: float = setting(
-        0.2, "Corner of the low-pass filter of the demand", unit="rad/s", ge=1e-6, le=1e3
-    )
+    filter_frequency: float = setting(0.2, "Corner of the low-pass filter of the demand", unit="rad/s", ge=1e-6, le=1e3)
 
 
 class PowerSettings(Settings):
@@ -83,15 +81,11 @@ class AllocatorSettings(Settings):
     solver: str = setting(
         NAME, "Solver of the quadratic program: active_set, daqp, or the name of one behind qpsolvers"
     )
-    thruster_enabled: Switches = setting(
-        (), "Per thruster: false for a lost thruster, whose command is ramped to zero"
-    )
+    thruster_enabled: Switches = setting((), "Per thruster: false for a lost thruster, whose command is ramped to zero")
     azimuth_enabled: Switches = setting(
         (), "Per thruster: false for one that cannot turn and keeps its present direction"
     )
-    thrust_limit_scale: Fractions = setting(
-        (), "Per thruster: fraction of the thrust limits that may be used, 0 to 1"
-    )
+    thrust_limit_scale: Fractions = setting((), "Per thruster: fraction of the thrust limits that may be used, 0 to 1")
     azimuth_rate_scale: Fractions = setting(
         (), "Per thruster: fraction of the azimuth rate that may be used, 0 to 1; at 0 it cannot turn"
     )

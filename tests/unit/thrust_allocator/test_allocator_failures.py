@@ -188,7 +188,7 @@ def test_settings_of_the_wrong_length_are_refused_and_the_old_ones_stay(field: s
 
 
 def test_settings_out_of_range_are_refused() -> None:
-    for bad in ({"thrust_limit_scale": (1.1,) * 4}, {"thrust_limit_scale": (-0.1,) * 4}, {"azimuth_mode": "auto"}):
+    for bad in ({"thrust_limit_scale": (1.1,) * 4}, {"thrust_limit_scale": (-0.1,) * 4}, {"azimuth_mode": "automatic"}):
         with pytest.raises(ValueError, match=next(iter(bad))):
             AllocatorSettings(**bad)
 

@@ -173,7 +173,9 @@ class PowerLimiter:
         n = len(self._all)
         plans = answer.plans
         rotating = (plans[:, Plan.PHASE] == ROTATING).astype(np.float64)
-        columns = [np.ascontiguousarray(plans[:, i]) for i in (Plan.LOWER, Plan.UPPER, Plan.TURN_LOW, Plan.TURN_HIGH)]
+        lower, upper, low, high = (
+            np.ascontiguousarray(plans[:, i]) for i in (Plan.LOWER, Plan.UPPER, Plan.TURN_LOW, Plan.TURN_HIGH)
+        )
         thrust, azimuth = (np.ascontiguousarray(before[:, i]) for i in (Command.THRUST, Command.AZIMUTH))
         along = plans[:, Plan.AZIMUTH]
         a, b = np.zeros((len(rows), n, 2)), np.zeros(len(rows))
@@ -186,7 +188,10 @@ class PowerLimiter:
                 rotating,
                 thrust,
                 azimuth,
-                *columns,
+                lower,
+                upper,
+                low,
+                high,
                 self._engine.weights.zero_region,
                 float(self._limits[bus]),
                 self._approach,

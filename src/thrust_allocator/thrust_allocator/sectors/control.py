@@ -109,9 +109,7 @@ class SectorControl:
         """
         azimuth = np.ascontiguousarray(before[:, Command.AZIMUTH])
         angles: list[float] = azimuth.tolist()
-        rotates = (
-            (limits[:, Limit.ENABLED] * limits[:, Limit.MAY_ROTATE] * limits[:, Limit.ROTATING]) != 0.0
-        ).tolist()
+        rotates = ((limits[:, Limit.ENABLED] * limits[:, Limit.MAY_ROTATE] * limits[:, Limit.ROTATING]) != 0.0).tolist()
         state = self._entered(rotates, angles, limits)
         table, pieces = self._table, self._pieces
         choice = np.array(state.windows, dtype=np.int64)
@@ -176,9 +174,7 @@ class SectorControl:
             if rotates[j] and not self._unlimited[j]:
                 window = thruster.windows[self._state.windows[j]]
                 first, last = table.first_forbidden[j], table.first_forbidden[j + 1]
-                _, turn, _ = path_into(
-                    angles[j], window.centre, window.half_width, table.forbidden, first, last
-                )
+                _, turn, _ = path_into(angles[j], window.centre, window.half_width, table.forbidden, first, last)
                 offset = (angles[j] - window.centre + np.pi) % (2.0 * np.pi) - np.pi
                 limits[j, Limit.REACH_LOW] = -window.half_width - offset
                 limits[j, Limit.REACH_HIGH] = window.half_width - offset

@@ -28,8 +28,8 @@ class Pieces:
     Attributes
     ----------
     corners, count
-        Shapes (M, c, 2), N, body frame, and (M,): a row a window, in the order of ``sector_table``. No corner for a lost
-        thruster, two for one that does not rotate.
+        Shapes (M, c, 2), N, body frame, and (M,): a row a window, in the order of ``sector_table``. No corner for a
+        lost thruster, two for one that does not rotate.
     first
         Shape (n + 1,): thruster j has the rows ``first[j]`` to ``first[j + 1] - 1``.
 

@@ -2,9 +2,10 @@
 
 Any multipliers lambda of the generalized force bound the cost of every combination from below, by duality,
 
-    J >= 2 (lambda' tau - lambda' Q^-1 lambda / 2 - sum_j phi_j),    phi_j = max over the polygon of p'u - w_j |u|^2 / 2,
+    J >= 2 (lambda' tau - lambda' Q^-1 lambda / 2 - sum_j phi_j),
+    phi_j = max over the polygon of p'u - w_j |u|^2 / 2,   p = B_j' lambda,
 
-p = B_j' lambda, and phi_j needs the window of thruster j alone. So few evaluations bound all combinations; at the
+and phi_j needs the window of thruster j alone. So few evaluations bound all combinations; at the
 multipliers of a combination that has been solved its own bound is its cost. A combination is solved only if no set of
 multipliers found so far rules it out.
 """
