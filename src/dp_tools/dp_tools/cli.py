@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dp_tools.commands.design import design
 from dp_tools.commands.parameters import parameters_app
 from dp_tools.commands.report import report
 from dp_tools.commands.root import app, main
@@ -12,6 +13,7 @@ from dp_tools.commands.up import up
 app.command()(up)
 app.command()(report)
 app.command()(topics)
+app.command()(design)
 app.add_typer(parameters_app, name="param")
 app.add_typer(scenario_app, name="scenario")
 

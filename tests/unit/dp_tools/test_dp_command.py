@@ -95,7 +95,9 @@ def test_a_namespace_that_ros_does_not_know(dp_here: Dp) -> None:
     assert (code, output) == (1, "error: namespace: expected one such as 'ship' or 'fleet/ship', found 'two words'\n")
 
 
-@pytest.mark.parametrize("command", ["up", "report", "topics", "param", "scenario", "param set", "scenario check"])
+@pytest.mark.parametrize(
+    "command", ["up", "report", "topics", "param", "scenario", "design", "param set", "scenario check"]
+)
 def test_help_explains_every_option(dp_here: Dp, command: str) -> None:
     code, output = dp_here(*command.split(), "--help")
     assert code == 0

@@ -12,6 +12,7 @@ from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector
 from marine_model.thruster_configuration import cartesian_configuration, polar_configuration
+from thrust_allocator.singularity import scaling_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,11 +68,6 @@ class ForceSet:
         return ForceSet(self.first * factor, self.second * factor, self.lower, self.upper, self.turns, 1.0)
 
 
-def typical_length(vessel: Vessel) -> float:
-    """Return L_typ of [Ruth] (7.2), m, over all thrusters, enabled or not."""
-    return float(np.hypot(vessel.lever_x, vessel.lever_y).mean())
-
-
 def force_set(
     vessel: Vessel,
     azimuth: ArrayLike | None = None,
@@ -122,7 +118,7 @@ def force_set(
         lower,
         upper,
         turns,
-        typical_length(vessel),
+        scaling_of(vessel).typical_arm,
     )
 
 

@@ -14,7 +14,8 @@ from marine_model.compiled import compiled
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector
 from thrust_allocator.attainable.boundary import turning_reach, zonotope_reach
-from thrust_allocator.attainable.force_set import ForceSet, flags, force_set, limit_fraction, typical_length
+from thrust_allocator.attainable.force_set import ForceSet, flags, force_set, limit_fraction
+from thrust_allocator.singularity import scaling_of
 
 
 class Margin(NamedTuple):
@@ -109,7 +110,7 @@ class ThrustMargin:
     ) -> None:
         n = len(vessel.thrusters)
         limits = limit_fraction(vessel, enabled, thrust_limit_scale)
-        length = typical_length(vessel)
+        length = scaling_of(vessel).typical_arm
         # One array, because every argument of compiled code costs a tenth of a microsecond.
         self._thrusters = np.column_stack(
             [
