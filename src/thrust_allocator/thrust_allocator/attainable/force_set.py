@@ -83,7 +83,7 @@ def force_set(
     vessel
         The vessel.
     azimuth
-        Directions of all thrusters, shape (n,), rad: none turns. None: every thruster named by ``can_rotate`` turns,
+        Directions of all thrusters, shape (n,), rad: none turns. A tunnel keeps its own whatever stands here. None: every thruster named by ``can_rotate`` turns,
         the others keep the fixed directions of the vessel file.
     enabled
         n bools; False: the thruster is lost.
@@ -103,7 +103,8 @@ def force_set(
         turns[:] = vessel.can_rotate if can_rotate is None else flags("can_rotate", can_rotate, len(limits))
         angles = vessel.fixed_direction
     else:
-        angles = finite_vector("azimuth", azimuth, len(limits))
+        given = finite_vector("azimuth", azimuth, len(limits))
+        angles = np.where(vessel.can_rotate, given, vessel.fixed_direction)
     lower, upper = vessel.thrust_min * limits, vessel.thrust_max * limits
     # A disc is as wide as the stronger of both ways.
     upper = np.where(turns, np.maximum(upper, -lower), upper)

@@ -43,8 +43,8 @@ def scale_to_boundary(
     vessel
         The vessel.
     azimuth
-        Directions of all thrusters, shape (n,), rad; thrust of each within its limits, so that the attainable set is a
-        zonotope. None: azimuth thrusters turn freely, and each gives any force within a disc.
+        Directions of all thrusters, shape (n,), rad; a tunnel keeps its own whatever stands here. Thrust of each is
+        within its limits, so that the attainable set is a zonotope. None: azimuth thrusters turn freely, and each gives any force within a disc.
     direction
         Generalized force, shape (3,): N, N, N m in the body frame, of any length but zero.
     enabled
@@ -119,6 +119,7 @@ class ThrustMargin:
                 vessel.thrust_min * limits,
                 vessel.thrust_max * limits,
                 vessel.can_rotate if can_rotate is None else flags("can_rotate", can_rotate, n),
+                np.where(vessel.can_rotate, np.nan, vessel.fixed_direction),
             ]
         ).astype(np.float64, order="C")
         self._length = length
@@ -129,7 +130,7 @@ class ThrustMargin:
         Parameters
         ----------
         azimuth
-            Present directions, float64, shape (n,), rad.
+            Present directions, float64, shape (n,), rad; that of a tunnel is not read.
         tau
             Demanded generalized force, float64, shape (3,): N, N, N m. Both are finite and C-contiguous.
         """
@@ -143,7 +144,8 @@ def margins(thrusters: FloatArray, length: float, azimuth: FloatArray, tau: Floa
     Parameters
     ----------
     thrusters
-        Shape (n, 5): lever arms over ``length``, lower and upper thrust limit (N), 1.0 where the thruster turns.
+        Shape (n, 6): lever arms over ``length``, lower and upper thrust limit (N), 1.0 where the thruster turns, and the
+        direction of a tunnel (rad), NaN for an azimuth thruster.
     length
         Typical lever arm, m.
     azimuth, tau
@@ -161,7 +163,8 @@ def margins(thrusters: FloatArray, length: float, azimuth: FloatArray, tau: Floa
     any_turns = False
     for j in range(n):
         lever_x, lever_y = thrusters[j, 0], thrusters[j, 1]
-        c, s = math.cos(azimuth[j]), math.sin(azimuth[j])
+        angle = azimuth[j] if math.isnan(thrusters[j, 5]) else thrusters[j, 5]
+        c, s = math.cos(angle), math.sin(angle)
         first[j, 0], first[j, 1], first[j, 2] = c, s, lever_x * s - lever_y * c
         lower[j], upper[j], turns[j] = thrusters[j, 2], thrusters[j, 3], thrusters[j, 4]
     fixed = zonotope_reach(first, lower, upper, unit) / largest
