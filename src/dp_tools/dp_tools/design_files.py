@@ -13,7 +13,7 @@ from typing import Any
 from dp_tools.design_tables import buses, numbers
 from dp_tools.run_files import FolderError
 from marine_model import Vessel
-from thrust_allocator.design import Study
+from thrust_allocator.design import Study, bus_losses
 from thrust_allocator.design_maps import GainMap, MapCase
 
 
@@ -43,6 +43,10 @@ class DesignFolder:
             "thrusters": list(vessel.thruster_names),
             "freely_rotating": _study(turning),
             "fixed": _study(fixed),
+            "bus_losses": [
+                {"bus": loss.bus, "left": [] if loss.left is None else [j + 1 for j in loss.left.thrusters]}
+                for loss in bus_losses(vessel, turning)
+            ],
             "maps": [_map(vessel, one, self.map_file(i, one.case).name) for i, one in enumerate(maps, start=1)],
         }
         try:

@@ -11,12 +11,12 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from dp_tools.design_files import DesignFolder
 from dp_tools.design_plots import draw_attainable, draw_gains, draw_map, draw_overview
-from dp_tools.design_tables import ball_lines, combination_table, split_lines, split_table
+from dp_tools.design_tables import ball_lines, bus_lines, combination_table, split_lines, split_table
 from dp_tools.run_files import FolderError
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
-from thrust_allocator.design import Study, study, study_rows
+from thrust_allocator.design import Study, bus_losses, study, study_rows
 from thrust_allocator.design_maps import GainMap, MapCase, map_cases, work_out
 
 
@@ -55,7 +55,7 @@ def run_design(console: Console, vessel: Vessel, degrees: str, maps: bool, outpu
         console.print(f"  {number} {name.replace('_', ' ')}, {limits}", highlight=False)
     console.print(combination_table(vessel, turning))
     console.print(split_table(turning))
-    for line in (*split_lines(turning), *ball_lines(turning)):
+    for line in (*split_lines(turning), *bus_lines(bus_losses(vessel, turning)), *ball_lines(turning)):
         console.print(line, highlight=False, soft_wrap=True)
     console.print(combination_table(vessel, fixed))
     for line in ball_lines(fixed):

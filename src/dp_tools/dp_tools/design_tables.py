@@ -9,7 +9,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from marine_model import Vessel
-from thrust_allocator.design import Split, Study
+from thrust_allocator.design import BusLoss, Split, Study
 
 
 def numbers(thrusters: Sequence[int]) -> str:
@@ -84,6 +84,19 @@ def split_lines(found: Study) -> tuple[str, ...]:
             lines.append(f"Best split {words}: {names}, minimum gain {gain:.2f} after the loss of either bus")
         else:
             lines.append(f"Best split {words}: none; whichever way, one bus alone cannot produce every force")
+    return tuple(lines)
+
+
+def bus_lines(losses: Sequence[BusLoss]) -> tuple[str, ...]:
+    """Return what the loss of each bus of the vessel file leaves, in words."""
+    lines = []
+    for loss in losses:
+        left = loss.left
+        if left is None:
+            lines.append(f"Loss of {loss.bus}: leaves nothing")
+        else:
+            gains = f"minimum gain {_gain(left.gain)}, {_gain(left.equal_gain)} with equal thrusts"
+            lines.append(f"Loss of {loss.bus}, as the vessel file has it: leaves {numbers(left.thrusters)}, {gains}")
     return tuple(lines)
 
 

@@ -66,6 +66,14 @@ class Split:
 
 
 @dataclass(frozen=True, slots=True)
+class BusLoss:
+    """What is left after the loss of one power bus of the vessel file; None if nothing is."""
+
+    bus: str
+    left: Combination | None
+
+
+@dataclass(frozen=True, slots=True)
 class BallBounds:
     """Radius of the attainable ball with all thrusters, N and N m alike: bounds of the source and exact value.
 
@@ -172,6 +180,15 @@ def study(vessel: Vessel, azimuth: ArrayLike | None = None, rows: Sequence[Combi
     angles = None if azimuth is None else _angles(vessel, azimuth)
     splits = () if angles is not None else _splits(len(vessel.thrusters), found)
     return Study(angles, found, splits, _ball(vessel, angles, found[0]))
+
+
+def bus_losses(vessel: Vessel, found: Study) -> tuple[BusLoss, ...]:
+    """Return what is left after the loss of each power bus that the vessel file names; none if it names none."""
+    losses = []
+    for bus in vessel.power.buses:
+        left = [j for j, name in enumerate(vessel.thruster_names) if name not in bus.thrusters]
+        losses.append(BusLoss(bus.name, found.of(left) if left else None))
+    return tuple(losses)
 
 
 def _angles(vessel: Vessel, azimuth: ArrayLike) -> FloatArray:

@@ -28,6 +28,7 @@ def tugboat(tmp_path: Path) -> Path:
     document: dict[str, Any] = yaml.safe_load(vessel_path("cybership3").read_text(encoding="utf-8"))
     document["name"] = "tugboat"
     document["thrusters"] = document["thrusters"][:2]
+    del document["power"]
     document["allocator"]["thrust_weight"] = [14.0, 1.2]
     path = tmp_path / "tugboat.yaml"
     path.write_text(yaml.safe_dump(document), encoding="utf-8")
@@ -40,6 +41,7 @@ def test_tables_and_the_best_split(dp_here: Dp, tmp_path: Path) -> None:
     assert re.search(r"1 2 3 4 .* 3 .* 1\.20 .* 1\.73", output)
     assert re.search(r"2 3 4 .* - tunnel bow .* 3 .* 1\.19 .* 1\.21", output)
     assert "Best split with equal thrusts: 1 3 | 2 4 or 1 4 | 2 3, minimum gain 0.99 after the loss of either" in output
+    assert "Loss of bus_a, as the vessel file has it: leaves 2 4, minimum gain 1.17, 1.19 with equal" in output
     assert "Lemma 7.2 as printed 6.00, without its 1/√2 8.48, exact 12.32 (12.46 if" in output
     assert "fixed at 90, 35, -45, 45 deg (Table 7.1)" in output
     assert re.search(r"1 2 3 .* - azimuth starboard .* 0\.68", output)

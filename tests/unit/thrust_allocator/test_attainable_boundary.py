@@ -155,7 +155,7 @@ def test_pure_thrust_of_a_single_azimuth_thruster_is_its_limit() -> None:
 
 
 def test_surge_when_all_point_ahead() -> None:
-    """Moments must balance: 13 N of each aft thruster, and all of the bow azimuth, whose line goes through the origin."""
+    """Moments must balance: 13 N of each aft thruster, and all of the bow azimuth, which gives no moment."""
     assert scale_to_boundary(VESSEL, np.zeros(N), [1.0, 0.0, 0.0]) == pytest.approx(8.7 + 2.0 * 13.0, rel=1e-12)
     # When they turn, the bow may make up for the moment of port's last 0.5 N.
     turning = scale_to_boundary(VESSEL, None, [1.0, 0.0, 0.0])

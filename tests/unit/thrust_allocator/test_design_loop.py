@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
-from thrust_allocator.design import MOST_THRUSTERS, study, study_rows
+from thrust_allocator.design import MOST_THRUSTERS, bus_losses, study, study_rows
 from thrust_allocator.design_maps import MapCase, map_cases, work_out
 
 VESSEL = load_vessel("cybership3_ch7")
 FREE = study(VESSEL)
+
+
+def with_thrusters(thrusters: list[dict[str, Any]]) -> Vessel:
+    """The vessel with other thrusters, on no power bus."""
+    document = VESSEL.model_dump() | {"thrusters": thrusters, "power": {}}
+    document["allocator"]["thrust_weight"] = [1.0] * len(thrusters)
+    return Vessel.model_validate(document)
+
+
 FIXED = study(VESSEL, np.radians([90.0, 35.0, -45.0, 45.0]))
 
 # Enabled thrusters: rank, minimum gain with the vessel's thrusts, with equal ones; None where the print has a dash.
@@ -77,11 +87,8 @@ def test_best_split_is_that_of_the_thesis() -> None:
 
 
 def test_no_best_split_where_one_bus_always_fails() -> None:
-    document = VESSEL.model_dump()
     # Two thrusters: each alone cannot produce every force.
-    document["thrusters"] = document["thrusters"][1:3]
-    document["allocator"]["thrust_weight"] = [1.0, 1.0]
-    found = study(Vessel.model_validate(document))
+    found = study(with_thrusters(VESSEL.model_dump()["thrusters"][1:3]))
     assert len(found.splits) == 1
     assert found.best_splits(equal_thrust=True) == found.best_splits(equal_thrust=False) == ()
 
@@ -121,14 +128,10 @@ def test_bad_input_is_refused() -> None:
         study(VESSEL, [0.0, 1.0])
     with pytest.raises(InputError, match=r"thrusters: expected some of the vessel's, found \[0, 9\]"):
         FREE.of([0, 9])
-    document = VESSEL.model_dump()
-    document["thrusters"] = [
-        document["thrusters"][1] | {"name": f"azimuth_{j}", "position": (float(j), 0.5, 0.0)}
-        for j in range(MOST_THRUSTERS + 1)
-    ]
-    document["allocator"]["thrust_weight"] = [1.0] * (MOST_THRUSTERS + 1)
+    azimuth = VESSEL.model_dump()["thrusters"][1]
+    many = [azimuth | {"name": f"azimuth_{j}", "position": (float(j), 0.5, 0.0)} for j in range(MOST_THRUSTERS + 1)]
     with pytest.raises(InputError, match="expected at most 12 thrusters for all combinations, found 13"):
-        study(Vessel.model_validate(document))
+        study(with_thrusters(many))
 
 
 def case_of(source: str, method: str = "svd") -> MapCase:
@@ -177,28 +180,25 @@ def test_theorem_7_2_is_never_below_theorem_7_1() -> None:
 
 
 def test_maps_of_other_vessels() -> None:
-    document = VESSEL.model_dump()
-    pair = document | {"thrusters": document["thrusters"][2:]}
-    pair["allocator"] = document["allocator"] | {"thrust_weight": [1.0, 1.0]}
-    two = Vessel.model_validate(pair)
-    assert {case.axes for case in map_cases(two)} == {(0, 1)}
-    assert {case.held for case in map_cases(two)} == {None}
-    many = document | {
-        "thrusters": [
-            *document["thrusters"],
-            document["thrusters"][1] | {"name": "azimuth_mid", "position": (0.0, 0.1, 0.0)},
-        ]
-    }
-    many["allocator"] = document["allocator"] | {"thrust_weight": [1.0] * 5}
-    for case in map_cases(Vessel.model_validate(many)):
-        assert work_out(Vessel.model_validate(many), case, points=5).gain.shape == (5, 5)
+    thrusters = VESSEL.model_dump()["thrusters"]
+    two = map_cases(with_thrusters(thrusters[2:]))
+    assert {case.axes for case in two} == {(0, 1)}
+    assert {case.held for case in two} == {None}
+    five = with_thrusters([*thrusters, thrusters[1] | {"name": "azimuth_mid", "position": (0.0, 0.1, 0.0)}])
+    for case in map_cases(five):
+        assert work_out(five, case, points=5).gain.shape == (5, 5)
 
 
 def test_a_map_needs_two_directions() -> None:
+    with pytest.raises(InputError, match="map: expected at least two azimuth thrusters to turn, found 1 on cyber"):
+        map_cases(with_thrusters(VESSEL.model_dump()["thrusters"][:2]))
+
+
+def test_loss_of_a_bus_of_the_vessel_file() -> None:
+    losses = bus_losses(VESSEL, FREE)
+    assert [(loss.bus, loss.left.thrusters) for loss in losses if loss.left] == [("bus_a", (1, 3)), ("bus_b", (0, 2))]
     document = VESSEL.model_dump()
-    document["thrusters"] = document["thrusters"][:2]
-    document["allocator"]["thrust_weight"] = [1.0, 1.0]
-    with pytest.raises(
-        InputError, match="map: expected at least two azimuth thrusters to turn, found 1 on cybership3_ch7"
-    ):
-        map_cases(Vessel.model_validate(document))
+    document["power"] = {"buses": [{"name": "all", "thrusters": list(VESSEL.thruster_names)}]}
+    (loss,) = bus_losses(Vessel.model_validate(document), FREE)
+    assert loss.left is None
+    assert bus_losses(with_thrusters(document["thrusters"]), FREE) == ()

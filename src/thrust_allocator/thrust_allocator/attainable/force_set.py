@@ -83,8 +83,8 @@ def force_set(
     vessel
         The vessel.
     azimuth
-        Directions of all thrusters, shape (n,), rad: none turns. A tunnel keeps its own whatever stands here. None: every thruster named by ``can_rotate`` turns,
-        the others keep the fixed directions of the vessel file.
+        Directions of all thrusters, shape (n,), rad: none turns. A tunnel keeps its own whatever stands here. None:
+        every thruster named by ``can_rotate`` turns, the others keep the fixed directions of the vessel file.
     enabled
         n bools; False: the thruster is lost.
     thrust_limit_scale

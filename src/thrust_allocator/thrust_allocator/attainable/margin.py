@@ -44,7 +44,8 @@ def scale_to_boundary(
         The vessel.
     azimuth
         Directions of all thrusters, shape (n,), rad; a tunnel keeps its own whatever stands here. Thrust of each is
-        within its limits, so that the attainable set is a zonotope. None: azimuth thrusters turn freely, and each gives any force within a disc.
+        within its limits, so that the attainable set is a zonotope. None: azimuth thrusters turn freely, and each gives
+        any force within a disc.
     direction
         Generalized force, shape (3,): N, N, N m in the body frame, of any length but zero.
     enabled
@@ -144,8 +145,8 @@ def margins(thrusters: FloatArray, length: float, azimuth: FloatArray, tau: Floa
     Parameters
     ----------
     thrusters
-        Shape (n, 6): lever arms over ``length``, lower and upper thrust limit (N), 1.0 where the thruster turns, and the
-        direction of a tunnel (rad), NaN for an azimuth thruster.
+        Shape (n, 6): lever arms over ``length``, lower and upper thrust limit (N), 1.0 where the thruster turns, and
+        the direction of a tunnel (rad), NaN for an azimuth thruster.
     length
         Typical lever arm, m.
     azimuth, tau
