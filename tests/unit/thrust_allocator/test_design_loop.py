@@ -100,6 +100,7 @@ def test_ball_beside_its_bounds() -> None:
     assert ball.without_root == pytest.approx(8.5, abs=0.05)
     assert ball.reversible == pytest.approx(12.46, abs=0.005)
     # The tunnel is weaker astern.
+    assert ball.without_root is not None
     assert ball.without_root < ball.exact < ball.reversible
     assert FIXED.ball.without_root is None
     assert FIXED.ball.printed <= FIXED.ball.reversible
