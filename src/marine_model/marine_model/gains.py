@@ -93,6 +93,14 @@ class FixedRotatingGains(Section):
         return self
 
 
+class SingularityGains(Section):
+    """When azimuth thrusters are kept from near-singular configurations, [Ruth] 7.8.1, 7.9.2."""
+
+    gain_limit: Positive  # sigma_lim, dimensionless
+    dwell_time: NonNegative  # s, t_lim of (7.128)
+    lock_time: Positive  # s, how long costs are compared before a configuration counts as locked
+
+
 class AllocatorGains(Section):
     """Weights and constants of the allocation problem, [Ruth] 4.4 and B.3.4."""
 
@@ -103,6 +111,7 @@ class AllocatorGains(Section):
     zero_region: Annotated[float, Field(gt=0.0, le=0.1)]  # c_2 of (4.38)-(4.39)
     sectors: SectorGains | None = None  # needed where a thruster has sectors
     fixed_rotating: FixedRotatingGains | None = None
+    singularity: SingularityGains | None = None
 
 
 class ShaftSpeedGains(Section):
