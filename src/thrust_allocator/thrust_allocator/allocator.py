@@ -17,6 +17,7 @@ from thrust_allocator.cost import propeller_weights, reweight, thrust_floor
 from thrust_allocator.engine import Answer, Engine
 from thrust_allocator.limits import Feathering, limit_table
 from thrust_allocator.mode_supervisor import AzimuthMode, ModeState, next_mode
+from thrust_allocator.monitoring import Monitoring
 from thrust_allocator.phase import LOST, Limit
 from thrust_allocator.polar import Command
 from thrust_allocator.power import PowerLimiter, PowerReport
@@ -25,6 +26,7 @@ from thrust_allocator.proportional import attainable_share
 from thrust_allocator.result import AllocationResult, Status
 from thrust_allocator.sectors import SectorControl, SectorReport, switching_rule
 from thrust_allocator.settings import AllocatorSettings, check_settings
+from thrust_allocator.singularity.avoidance import Avoidance, AvoidanceReport
 from thrust_allocator.solution import Solution
 
 # Demands beyond this multiple of all thrust and moment there is go to the solver along their direction at this size:
@@ -72,6 +74,7 @@ class Allocator:
         self._sectors = SectorControl(vessel, self._engine.columns, self._engine.compliance)
         self._power = PowerLimiter(vessel, self._engine)
         self._feathering = Feathering(self._n)
+        self._avoidance: Avoidance | None = None
         self.apply(settings if settings is not None else AllocatorSettings.for_vessel(vessel))
         self.reset(thrust, azimuth)
 
@@ -104,6 +107,12 @@ class Allocator:
             If they do not fit the vessel, or the solver is not there; the old ones stay in force.
         """
         check_settings(settings, self._vessel)
+        if settings.singularity.method == "none":
+            self._avoidance = None
+        elif self._avoidance is None:
+            self._avoidance = Avoidance(self._vessel, self._engine, settings.singularity)
+        else:
+            self._avoidance.apply(settings.singularity)
         self._engine.use(settings.solver)
         self._settings = settings
         self._longest_step = settings.longest_step * self._vessel.measurement.sample_time
@@ -118,6 +127,8 @@ class Allocator:
         if settings.thrust_weight == "propeller":
             weight = propeller_weights(self._engine.power_factor)
         self._weight = weight
+        self._monitoring = Monitoring(self._vessel, settings, self._limits)
+        self._changing = settings.sectors.enabled or self._mode is AzimuthMode.AUTO
         self._rehearse()
 
     def reset(self, thrust: ArrayLike | None = None, azimuth: ArrayLike | None = None) -> None:
@@ -150,6 +161,8 @@ class Allocator:
         self._sectors.reset()
         self._power.reset()
         self._feathering.reset()
+        if self._avoidance is not None:
+            self._avoidance.reset()
 
     def measure_power(self, power: float) -> None:
         """Take the measured power of all thrusters together (W): it corrects the prediction, [Ruth] (4.44)."""
@@ -175,6 +188,9 @@ class Allocator:
         tau, status, message = self._accept(tau_desired)
         elapsed = positive_number("dt", dt)
         dt = min(elapsed, self._longest_step)
+        if self._changing or self._feathering.active:
+            # The results of steps before keep theirs.
+            self._limits = self._limits.copy()
         settings, limits, before = self._settings, self._limits, self._before
         rotating = self._choose_mode(tau, elapsed)
         if self._feathering.active:
@@ -185,15 +201,27 @@ class Allocator:
         if settings.sectors.enabled:
             sectors = self._sectors.step(limits, before, self._weight, tamed, elapsed)
         power: PowerReport | None = None
-        if settings.power.limit == "none":
-            answer = self._run(limits, before, weight, tamed, dt)
-        else:
-            answer, power = self._power.step(
-                lambda demand, coupling, yaw: self._run(limits, before, weight, demand, dt, coupling, yaw),
-                before,
-                tamed,
+        avoidance: AvoidanceReport | None = None
+
+        def run(table: FloatArray, last: FloatArray, multiplier: FloatArray, demand: FloatArray) -> Answer:
+            nonlocal power
+            if settings.power.limit == "none":
+                return self._run(table, last, multiplier, weight, demand, dt)
+            found, power = self._power.step(
+                lambda tau, coupling, yaw: self._run(table, last, multiplier, weight, tau, dt, coupling, yaw),
+                last,
+                demand,
                 dt,
             )
+            return found
+
+        if self._avoidance is None:
+            answer = run(limits, before, self._multiplier, tamed)
+        elif not rotating:
+            self._avoidance.reset()
+            answer = run(limits, before, self._multiplier, tamed)
+        else:
+            answer, avoidance = self._avoidance.step(run, limits, before, tamed, dt)
         if answer.complaint:
             status = Status.HOLD
             message = f"{message}; {answer.complaint}" if message else answer.complaint
@@ -215,6 +243,9 @@ class Allocator:
             solver=self._engine.solver,
             sectors=sectors,
             power=power,
+            avoidance=avoidance,
+            limits=limits,
+            monitoring=self._monitoring,
             problem=answer.problem if failed else None,
             solution=answer.solution if failed else None,
         )
@@ -245,6 +276,7 @@ class Allocator:
         self,
         limits: FloatArray,
         before: FloatArray,
+        multiplier: FloatArray,
         weight: FloatArray,
         tau: FloatArray,
         dt: float,
@@ -252,7 +284,7 @@ class Allocator:
         yaw_factor: float = 1.0,
     ) -> Answer:
         """Allocate without power limits; what is out of reach is given up as the settings say."""
-        answer = self._engine.run(limits, before, self._multiplier, weight, tau, dt, coupling, yaw_factor)
+        answer = self._engine.run(limits, before, multiplier, weight, tau, dt, coupling, yaw_factor)
         if self._settings.over_demand == "slack" or answer.complaint:
             return answer
         scale = 1.0 / np.sqrt(answer.compliance)

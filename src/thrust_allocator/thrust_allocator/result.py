@@ -6,11 +6,15 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from marine_model.guards import FloatArray
+from thrust_allocator.attainable import Margin
+from thrust_allocator.monitoring import Monitoring
 from thrust_allocator.phase import Phase
 from thrust_allocator.polar import Command
 from thrust_allocator.power.limiter import PowerReport
 from thrust_allocator.problem import AllocationProblem
 from thrust_allocator.sectors.control import SectorReport
+from thrust_allocator.singularity import MinimumGain, MonitorReading
+from thrust_allocator.singularity.avoidance import AvoidanceReport
 from thrust_allocator.solution import Solution
 from thrust_allocator.step import Total
 
@@ -55,6 +59,12 @@ class AllocationResult:
         What the supervisor of sectors decided; None without sectors.
     power
         What power had to do with it; None without a limit of power.
+    avoidance
+        What singularity avoidance did; None without it.
+    limits
+        Table of limits of this step, shape (n, 14), see :class:`phase.Limit`.
+    monitoring
+        Answers :attr:`gains` and :attr:`margin`.
     problem, solution
         On a failure the problem and what the solver made of it, for debugging; None otherwise.
     """
@@ -69,6 +79,9 @@ class AllocationResult:
     solver: str
     sectors: SectorReport | None
     power: PowerReport | None
+    avoidance: AvoidanceReport | None
+    limits: FloatArray
+    monitoring: Monitoring
     problem: AllocationProblem | None
     solution: Solution | None
 
@@ -126,3 +139,18 @@ class AllocationResult:
     def azimuth_saturated(self) -> tuple[bool, ...]:
         """Direction at an end of its window."""
         return tuple([at != 0.0 for at in self.commands[:, Command.AZIMUTH_SATURATED].tolist()])
+
+    @property
+    def gains(self) -> MonitorReading:
+        """Minimum gains as ``singularity.monitor`` asks for them, computed when read."""
+        return self.monitoring.read(self.commands, self.limits)
+
+    @property
+    def gain_both_ways(self) -> MinimumGain:
+        """Minimum gain at the commanded angles if every thruster could reverse, [Ruth] 7.3, computed when read."""
+        return self.monitoring.both_ways(self.commands)
+
+    @property
+    def margin(self) -> Margin:
+        """How many times the demand is attainable: at the commanded angles, and once turned; computed when read."""
+        return self.monitoring.margin(self.commands, self.tau_desired)

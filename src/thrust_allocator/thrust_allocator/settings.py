@@ -11,6 +11,7 @@ from marine_model.errors import InputError
 from marine_model.schema import Fraction
 from marine_model.settings import Settings, setting
 from thrust_allocator.active_set_solver import NAME
+from thrust_allocator.singularity.settings import SingularitySettings, limits_of
 from thrust_allocator.solvers import check_solver
 
 Switches = Annotated[tuple[bool, ...], Field(strict=False)]
@@ -106,6 +107,7 @@ class AllocatorSettings(Settings):
     auto: AutoSettings = Field(default=AutoSettings())
     sectors: SectorSettings = Field(default=SectorSettings())
     power: PowerSettings = Field(default=PowerSettings())
+    singularity: SingularitySettings = Field(default=SingularitySettings())
 
     @classmethod
     def for_vessel(cls, vessel: Vessel, **overrides: Any) -> Self:
@@ -126,6 +128,8 @@ class AllocatorSettings(Settings):
             available=min(vessel.power_available, UNLIMITED),
             bus_limit=tuple(min(limit, UNLIMITED) for limit in vessel.bus_limit.tolist()),
         )
+        if gains.singularity is not None:
+            values["singularity"] = SingularitySettings(**gains.singularity.model_dump())
         return cls(**(values | overrides))
 
 
@@ -146,6 +150,8 @@ def check_settings(settings: AllocatorSettings, vessel: Vessel) -> None:
                 f"{name}: expected {n} elements, one a thruster ({', '.join(vessel.thruster_names)}), found {found}"
             )
     check_solver(settings.solver)
+    if settings.singularity.method != "none":
+        limits_of(settings.singularity, vessel)
     buses, found = len(vessel.power.buses), len(settings.power.bus_limit)
     if settings.power.limit in ("bus", "both") and (found != buses or not buses):
         raise InputError(

@@ -312,9 +312,7 @@ class Avoidance:
         if gain < now.threshold * (1.0 - _AT_LIMIT) and now.grid is not None:
             # Nothing is gained by keeping what is insufficient itself: the present angles at switching on, or what a
             # failure has left.
-            self._kept = now.grid.nearest(
-                now.thrusters, now.azimuth, now.low, now.high, now.rate, now.threshold
-            )
+            self._kept = now.grid.nearest(now.thrusters, now.azimuth, now.low, now.high, now.rate, now.threshold)
             self._recovering = True
         elif self._recovering:
             self._recovering = bool(np.abs(_turns(now, self._kept)).max() > 0.0)
@@ -330,9 +328,7 @@ class Avoidance:
         self._ratio -= math.expm1(-now.dt / lock_time) * (self._advantage(cost, cost_free) - self._ratio)
         locked = self._ratio > self._settings.lock_ratio and self._kept_for > lock_time - _TIME_TOLERANCE
         if locked and self._settings.release and not self._releasing and now.grid is not None:
-            best, cost_best = now.grid.best(
-                now.thrusters, now.azimuth, now.low, now.high, now.tau, now.threshold
-            )
+            best, cost_best = now.grid.best(now.thrusters, now.azimuth, now.low, now.high, now.tau, now.threshold)
             if self._advantage(cost, cost_best) > self._settings.lock_ratio:
                 self._kept = best
                 self._releasing = True
@@ -374,9 +370,7 @@ class Avoidance:
             self._waited = 0.0
             return target
         weight = self._settings.shortfall_price if may_cross else _CLOSED
-        route = find_route(
-            now.thrusters, now.azimuth, best, now.low, now.high, now.rate, now.threshold, weight, now.dt
-        )
+        route = find_route(now.thrusters, now.azimuth, best, now.low, now.high, now.rate, now.threshold, weight, now.dt)
         self._waited += (here - cost) * now.dt
         self._waiting = True
         if route is None:

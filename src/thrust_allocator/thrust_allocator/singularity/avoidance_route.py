@@ -194,9 +194,7 @@ def _cheapest(
     return length, value[0], least_gain
 
 
-def toll_of(
-    thrusters: Thrusters, route: Route, tau: FloatArray, margin: float, scale: FloatArray
-) -> Toll:
+def toll_of(thrusters: Thrusters, route: Route, tau: FloatArray, margin: float, scale: FloatArray) -> Toll:
     """Return what ``route`` costs at the demand ``tau``, if it stands.
 
     Parameters

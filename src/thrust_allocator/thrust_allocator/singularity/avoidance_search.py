@@ -103,9 +103,7 @@ class Grid:
         Of several, the one with the greatest gain. ``rate``: shape (n,), rad/s; others as in :meth:`best`.
         """
         found = azimuth.copy()
-        _nearest_node(
-            thrusters, azimuth, low, high, rate, self.points, self.sufficient(threshold), self.gains, found
-        )
+        _nearest_node(thrusters, azimuth, low, high, rate, self.points, self.sufficient(threshold), self.gains, found)
         return found
 
 

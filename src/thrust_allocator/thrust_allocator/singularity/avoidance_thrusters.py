@@ -106,9 +106,7 @@ def static_cost(
         corners[j, 1, 0], corners[j, 1, 1] = thrusters.high[j] * c, thrusters.high[j] * s
         count[j] = 2
     work = np.empty((3, 4))
-    solve(
-        thrusters.columns, thrusters.weight, corners, count, thrusters.compliance, tau, multiplier, force, face, work
-    )
+    solve(thrusters.columns, thrusters.weight, corners, count, thrusters.compliance, tau, multiplier, force, face, work)
     cost = 0.0
     slack = tau.copy()
     thrust[:] = 0.0
