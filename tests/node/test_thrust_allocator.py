@@ -86,7 +86,7 @@ def test_answers_are_the_core_s_with_the_demand_s_stamp(start: Any) -> None:
         np.testing.assert_array_equal(command.azimuth, result.azimuth)
         found = [achieved.wrench.force.x, achieved.wrench.force.y, achieved.wrench.torque.z]
         np.testing.assert_array_equal(found, result.tau_achieved)
-        assert (status.status, status.azimuth_mode, status.solver) == ("optimal", "rotating", "daqp")
+        assert (status.status, status.azimuth_mode, status.solver) == ("optimal", "rotating", "active_set")
         np.testing.assert_array_equal(status.slack, result.slack)
         assert status.cost == result.cost
         assert status.demanded_power == result.demanded_power

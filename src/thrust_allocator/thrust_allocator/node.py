@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from array import array
+from collections import deque
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
 from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback
 from geometry_msgs.msg import WrenchStamped
 
-from dp_node import Health, Level, RingNode, StampSequence, run_node
+from dp_node import Health, Level, RingNode, StampSequence, run_node, to_nanoseconds
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME
@@ -26,6 +27,8 @@ _MEANING = {
     Status.HOLD: Level.ERROR,
 }
 _INITIAL = ("vessel", "feedback")
+# Measurements of power that are kept until a demand comes.
+_POWERS = 256
 
 
 @dataclass
@@ -80,12 +83,13 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._status = self.publish_on(AllocationStatus, "allocation_status")
         self._forget()
         self.listen(WrenchStamped, "tau_desired", self._on_demand)
-        if self._initial == "feedback":
-            self.listen(ThrusterFeedback, "thruster_feedback", self._on_feedback)
+        self._hears_feedback = False
+        self._hear_feedback()
 
     def apply(self, settings: AllocatorSettings) -> None:
         """Hand changed settings to the core; they hold from the next demand on."""
         self._core.apply(settings)
+        self._hear_feedback()
 
     def started(self) -> None:
         """Begin anew: without thrust, pointing where the last command left the thrusters."""
@@ -114,14 +118,43 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         level = _MEANING[tally.status]
         return Health(level, "nominal" if level is Level.OK else f"{tally.status}: {tally.message}", values)
 
+    def _needs_power(self) -> bool:
+        power = self.settings.power
+        return power.limit != "none" and power.measured
+
+    def _hear_feedback(self) -> None:
+        """Listen to thruster_feedback where it is needed; it comes ten times as often as demands do."""
+        if not self._hears_feedback and (self._initial == "feedback" or self._needs_power()):
+            self._hears_feedback = True
+            self.listen(ThrusterFeedback, "thruster_feedback", self._on_feedback)
+
     def _forget(self) -> None:
+        self._powers: deque[tuple[int, float]] = deque(maxlen=_POWERS)
+        self._held: Any = None
         self._stamps = StampSequence("tau_desired")
         self._waiting = self._initial == "feedback"
         self._tally = _Tally()
 
     def _on_feedback(self, message: Any) -> None:
-        if not self._waiting:
-            return
+        if self._needs_power():
+            self._powers.append((to_nanoseconds(message.header.stamp), self._total_power(message)))
+            if self._held is not None and self._powers[-1][0] >= self._needed(self._held):
+                held, self._held = self._held, None
+                self._on_demand(held)
+        if self._waiting:
+            self._start_from(message)
+
+    def _total_power(self, message: Any) -> float:
+        """Return the measured power of the thrusters that are not lost, W."""
+        enabled = dict(zip(self._names, self.settings.thruster_enabled or (True,) * len(self._names), strict=True))
+        power = finite_vector("thruster_feedback: power", message.power, len(self._names)).tolist()
+        return sum(value for name, value in zip(message.name, power, strict=True) if enabled.get(name, False))
+
+    def _needed(self, demand: Any) -> int:
+        """Return the stamp of the feedback before a demand, where the simulator sends one at every time step."""
+        return to_nanoseconds(demand.header.stamp) - round(self.vessel.simulation.time_step * 1e9)
+
+    def _start_from(self, message: Any) -> None:
         names = list(message.name)
         if sorted(names) != sorted(self._names):
             raise InputError(f"thruster_feedback: expected the thrusters {self._names}, found {names}")
@@ -135,6 +168,15 @@ class AllocatorNode(RingNode[AllocatorSettings]):
     def _on_demand(self, message: Any) -> None:
         if message.header.frame_id not in ("", BODY_FRAME):
             raise InputError(f"tau_desired: expected frame_id '{BODY_FRAME}', found '{message.header.frame_id}'")
+        if self._needs_power():
+            stamp = to_nanoseconds(message.header.stamp)
+            # In lockstep the measured power is the same in every run, so that the demand waits for it.
+            if self.synchronous and self._powers and self._powers[-1][0] < self._needed(message):
+                self._held = message
+                return
+            powers = [power for at, power in self._powers if at < stamp]
+            if powers:
+                self._core.measure_power(powers[-1])
         if self._waiting:
             raise InputError("tau_desired: refused until the first thruster_feedback says where the thrusters point")
         dt = self._stamps.step(message.header.stamp, self.vessel.measurement.sample_time)
@@ -177,18 +219,51 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         achieved.wrench.torque.z = yaw
         self._achieved.publish(achieved)
 
+        self._status.publish(self._status_message(command.header, result))
+
+    def _status_message(self, header: Any, result: AllocationResult) -> AllocationStatus:
         status = AllocationStatus()
-        status.header = command.header
+        status.header = header
         status.status = result.status.value
         status.azimuth_mode = result.azimuth_mode
         status.solver = result.solver
         status.cost = result.cost
-        status.slack = np.asarray(result.slack)
+        status.slack = result.slack
         status.demanded_power = result.demanded_power
+        status.commanded_power = result.commanded_power
         status.rotating = list(result.rotating)
         status.thrust_saturated = list(result.thrust_saturated)
         status.azimuth_saturated = list(result.azimuth_saturated)
-        self._status.publish(status)
+        if result.power is not None:
+            status.power_stage = result.power.stage.name.lower()
+            status.bus_power = array("d", result.power.bus.tobytes())
+            status.bus_limited = list(result.power.bus_limited)
+        if result.sectors is not None:
+            status.sub_problem = result.sectors.sub_problem
+            status.crossing = list(result.sectors.crossing)
+        margin = result.margin
+        status.margin, status.margin_turned = margin.fixed, margin.turning
+        gains = result.gains
+        status.minimum_gain = gains.global_gain
+        status.minimum_gain_local = gains.local_gain
+        status.minimum_gain_horizon = gains.horizon_gain
+        status.minimum_gain_both_ways = result.gain_both_ways.gain
+        status.weakest_direction = gains.direction
+        status.weakest_azimuth, status.weakest_length = gains.projection_angle, gains.projection_length
+        avoidance = result.avoidance
+        if avoidance is None:
+            status.singularity_method = "none"
+            status.gain_limit = status.minimum_gain_free = status.cost_free = math.nan
+        else:
+            status.singularity_method = avoidance.method
+            status.gain_limit = avoidance.threshold
+            status.minimum_gain_free = avoidance.minimum_gain_free
+            status.cost_free = avoidance.cost_free
+            status.waiting = avoidance.waiting
+            status.locked = avoidance.locked
+            status.released = avoidance.released
+            status.gain_crossing = avoidance.crossing
+        return status
 
 
 def main() -> None:
