@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import asin, pi
 
 import numpy as np
 
@@ -79,8 +80,8 @@ def judge(
 ) -> Verdict:
     """Return the verdict on ``answers`` to the steps at ``places``.
 
-    Inside the small region about zero, in which the program lets a thruster turn without thrust ([Ruth] 4.4.2), a
-    direction beyond its window is not counted.
+    The program widens the azimuth window of a rotating thruster by c_2 (T_max - T_min) newtons ((4.38)-(4.39)), so that
+    the thruster may turn without thrust. A direction within that is not counted.
 
     Parameters
     ----------
@@ -98,7 +99,7 @@ def judge(
     """
     verdict = Verdict()
     last: tuple[int, Commands] | None = None
-    idle = 2.0 * vessel.allocator.zero_region * (vessel.thrust_max - vessel.thrust_min)
+    width = vessel.allocator.zero_region * (vessel.thrust_max - vessel.thrust_min)
     for place, answer in zip(places, answers, strict=True):
         step = steps[place]
         verdict.steps += 1
@@ -118,8 +119,8 @@ def judge(
             excesses.append(float(np.max(np.abs(thrust - before[0]) - vessel.thrust_rate * step.dt)))
             verdict.thrust_rate.note(excesses[1])
             turns = [
-                abs(wrap_angle(float(now - then))) if abs(force) > small else 0.0
-                for now, then, force, small in zip(azimuth, before[1], thrust, idle, strict=True)
+                abs(wrap_angle(float(now - then))) - (asin(small / abs(force)) if abs(force) > small else pi)
+                for now, then, force, small in zip(azimuth, before[1], thrust, width, strict=True)
             ]
             excesses.append(float(np.max(np.array(turns) - vessel.azimuth_rate * step.dt)))
             verdict.azimuth_rate.note(excesses[2])
