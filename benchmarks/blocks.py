@@ -83,11 +83,12 @@ def in_turn(
     calls = {name: Calls() for name in candidates}
     length = max(1, len(steps) // blocks)
     for name, candidate in candidates.items():
-        for step in steps[:_WARM_UP]:
-            _call(candidate.call, candidate.prepare(step))
+        with _undisturbed():
+            for step in steps[:_WARM_UP]:
+                _call(candidate.call, candidate.prepare(step))
         calls[name] = Calls()
     for block in range(blocks):
-        names = list(candidates) if block % 2 == 0 else list(reversed(candidates))
+        names = list(candidates) if block % 2 == 0 else list(candidates)[::-1]
         for name in names:
             candidate = candidates[name]
             first = block * length

@@ -32,8 +32,8 @@ _MEAN = (-0.30, 0.15, 0.02)
 # A step is saturated if limits keep this share of all thrust, or more, from the demand. Without saturation the slack
 # is about 1e-6 of the demand at gamma = 1000.
 _MISSED = 1e-4
-_HALVINGS = 12
-_LARGEST_AMPLITUDE = 8.0
+_HALVINGS = 9
+_LARGEST_AMPLITUDE = 4.0
 
 
 # From demand (shape (3,)) and time step (s) to slack (shape (3,)).
@@ -91,8 +91,8 @@ def demand_in_waves(vessel: Vessel, steps: int, seed: int) -> FloatArray:
     time = vessel.measurement.sample_time * np.arange(steps)
     columns = []
     for axis, (mean, size, full) in enumerate(zip(_MEAN, _BY_AXIS, strength(vessel), strict=True)):
-        slow = 2.0 * math.pi / np.exp(draw.uniform(*np.log(_SLOW_PERIODS), _COMPONENTS))
-        waves = vessel.observer.wave_frequency[axis] * draw.uniform(*_WAVE_BAND, _COMPONENTS)
+        slow = 2.0 * math.pi / by_decades(draw, _SLOW_PERIODS, (_COMPONENTS,))
+        waves = vessel.observer.wave_frequency[axis] * draw.uniform(*_WAVE_BAND, size=_COMPONENTS)
         phases = draw.uniform(0.0, 2.0 * math.pi, (2, _COMPONENTS, 1))
         # Each sum of sines of equal size has a standard deviation of 1.
         unit = math.sqrt(2.0 / _COMPONENTS)
@@ -100,6 +100,11 @@ def demand_in_waves(vessel: Vessel, steps: int, seed: int) -> FloatArray:
         high = unit * np.sin(waves[:, None] * time + phases[1]).sum(axis=0)
         columns.append(full * (mean + size * (low + _WAVE_SHARE * high)))
     return np.column_stack(columns)
+
+
+def by_decades(draw: np.random.Generator, ends: tuple[float, float], shape: tuple[int, ...]) -> FloatArray:
+    """Return random numbers between ``ends`` whose logarithms are spread evenly."""
+    return np.asarray(ends[0] * (ends[1] / ends[0]) ** draw.random(shape))
 
 
 def is_saturated(vessel: Vessel, slack: FloatArray) -> bool:
@@ -121,7 +126,7 @@ def sequence(
     steps, seed
         Length, and the number that everything random follows from.
     share
-        Wanted share; 0.5 / 2^12 of the amplitude decides how near it comes.
+        Wanted share.
     """
     unit = demand_in_waves(vessel, steps, seed)
     dt = vessel.measurement.sample_time

@@ -1,21 +1,21 @@
-"""The optimum to the last digits: daqp finds what is active, then the equations of that are solved in extended precision.
+"""The optimum to the last digits: daqp finds what is active, extended precision solves the equations of that.
 
-Many problems of the same form at once. Every answer is checked by itself (limits, signs of multipliers); one whose
-active limits turn out wrong is mended by exchanging limits, and told as not verified if that does not end.
+Many problems of the same form at once. Every answer is checked by itself (limits, signs of multipliers, gradient); one
+whose active limits turn out wrong is mended by exchanging limits, and told as not verified if that does not end.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import daqp
 import numpy as np
 from numpy.typing import NDArray
 
 from marine_model.guards import FloatArray
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.problem import AllocationProblem, Weights
 
 # 80 bits on x86-64: 64 of them for the digits.
 Extended = NDArray[np.longdouble]
@@ -25,6 +25,41 @@ _EXCHANGES = 12
 # N, and relative to the largest multiplier: what an exact answer may show after rounding to 64 bits.
 _FEASIBLE = 1e-12
 _SIGN = 1e-12
+_STATIONARY = 1e-9  # V, up to 1e8, times the rounding of 10 N to 64 bits is 1e-10 beside a gradient of 1
+
+
+class Kept(NamedTuple):
+    """Copies of the arrays of a problem: a third of the time of copying the problem."""
+
+    weights: Weights
+    fixed: tuple[int, ...]
+    rotating: tuple[int, ...]
+    tau: FloatArray
+    B: FloatArray
+    H: FloatArray
+    f: FloatArray
+    A: FloatArray
+    b_lower: FloatArray
+    b_upper: FloatArray
+
+    @classmethod
+    def of(cls, problem: AllocationProblem) -> Kept:
+        """Return what is needed of ``problem``."""
+        return cls(
+            problem.weights,
+            problem.fixed,
+            problem.rotating,
+            problem.tau.copy(),
+            problem.B.copy(),
+            problem.H.copy(),
+            problem.f.copy(),
+            problem.A.copy(),
+            problem.b_lower.copy(),
+            problem.b_upper.copy(),
+        )
+
+
+Program = AllocationProblem | Kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +92,7 @@ class Batch:
     bounds: int
 
     @classmethod
-    def of(cls, problems: Sequence[AllocationProblem]) -> Batch:
+    def of(cls, problems: Sequence[Program]) -> Batch:
         """Return the batch of ``problems``.
 
         Raises
@@ -68,8 +103,8 @@ class Batch:
         first = problems[0]
         if any((problem.fixed, problem.rotating) != (first.fixed, first.rotating) for problem in problems):
             raise ValueError("problems: expected one form, found several")
-        k = first.bounds
-        m = first.variables
+        k = len(first.fixed)
+        m = first.B.shape[1]
         matrix = np.zeros((len(problems), len(first.b_upper), m))
         matrix[:, :k, :k] = np.eye(k)
         matrix[:, k:] = [problem.A for problem in problems]
@@ -112,7 +147,7 @@ class Optimum:
     cost
         (4.20), shape (N,).
     verified
-        Limits hold and multipliers have their signs, shape (N,).
+        Limits hold, multipliers have their signs and the gradient is zero, shape (N,).
     """
 
     z: Extended
@@ -128,10 +163,15 @@ def optimum(batch: Batch) -> Optimum:
     for _ in range(_EXCHANGES):
         wrong = np.flatnonzero(~verified)
         value = np.einsum("npm,nm->np", batch.C[wrong].astype(np.longdouble), z[wrong])
-        excess = np.where(active[wrong] == 0, np.maximum(value - batch.upper[wrong], batch.lower[wrong] - value), 0.0)
+        excess = np.maximum(value - batch.upper[wrong], batch.lower[wrong] - value)
         pull = multipliers[wrong] * active[wrong]
         scale = np.maximum(np.abs(multipliers[wrong]).max(axis=1), 1.0)
-        verified[wrong] = (excess.max(axis=1) <= _FEASIBLE) & (pull.min(axis=1) >= -_SIGN * scale)
+        verified[wrong] = (
+            (excess.max(axis=1) <= _FEASIBLE)
+            & (pull.min(axis=1) >= -_SIGN * scale)
+            & (_gradient(batch, wrong, z[wrong], multipliers[wrong]) <= _STATIONARY)
+        )
+        excess[active[wrong] != 0] = 0.0
         for place, i in enumerate(wrong.tolist()):
             if verified[i]:
                 continue
@@ -147,7 +187,7 @@ def optimum(batch: Batch) -> Optimum:
     return Optimum(z, batch.cost(z), verified)
 
 
-def optima(problems: Sequence[AllocationProblem]) -> list[FloatArray]:
+def optima(problems: Sequence[Program]) -> list[FloatArray]:
     """Return the variables of the optimum of every problem, rounded; the forms may differ.
 
     Raises
@@ -166,6 +206,15 @@ def optima(problems: Sequence[AllocationProblem]) -> list[FloatArray]:
         for i, z in zip(places, answer.z, strict=True):
             found[i] = z.astype(np.float64)
     return found
+
+
+def _gradient(batch: Batch, of: NDArray[np.intp], z: Extended, multipliers: Extended) -> Extended:
+    """Return the longest component of W z - B' V s + C' multipliers over that of B' V s or 1, shape (K,)."""
+    B, C = batch.B[of].astype(np.longdouble), batch.C[of].astype(np.longdouble)
+    slack = batch.tau[of] - np.einsum("nij,nj->ni", B, z)
+    pull = np.einsum("nij,ni->nj", B, batch.V * slack)
+    gradient = batch.W * z - pull + np.einsum("npm,np->nm", C, multipliers)
+    return np.asarray(np.abs(gradient).max(axis=1) / np.maximum(np.abs(pull).max(axis=1), 1.0))
 
 
 def _active_by_daqp(batch: Batch) -> NDArray[np.int8]:
@@ -206,7 +255,7 @@ def _solve(batch: Batch, active: NDArray[np.int8], of: NDArray[np.intp]) -> tupl
     matrix[:, limit, limit] = ~on
     right[:, m + 3 :] = np.where(active[of] > 0, batch.upper[of], np.where(active[of] < 0, batch.lower[of], 0.0))
     inverse = _inverse(matrix)
-    # 1 / V is rounded in the matrix: the equation is scaled by V for the residual.
+    # 1 / V is rounded in the matrix, and not in what the residual is taken with.
     wide = matrix.astype(np.longdouble)
     wide[:, slack, slack] = 1.0 / batch.V.astype(np.longdouble)
     target = right.astype(np.longdouble)
@@ -220,6 +269,6 @@ def _solve(batch: Batch, active: NDArray[np.int8], of: NDArray[np.intp]) -> tupl
 def _inverse(matrix: FloatArray) -> FloatArray:
     """Return the inverse of each; the pseudo-inverse where there is none, which its check will refuse."""
     try:
-        return np.linalg.inv(matrix)
+        return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
     except np.linalg.LinAlgError:
-        return np.linalg.pinv(matrix)
+        return np.asarray(np.linalg.pinv(matrix), dtype=np.float64)

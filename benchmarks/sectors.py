@@ -50,7 +50,7 @@ def measure_sectors(plan: Plan) -> list[Result]:
     missing: dict[str, str] = {}
     for name, make in (
         ("osqp_qpsolvers", OsqpThroughQpsolvers),
-        ("quta", EqualProblem),
+        ("quta", lambda: EqualProblem(TABLE_6_1)),
         ("quta_static", lambda: StaticSectors(vessel, TABLE_6_1)),
     ):
         try:
@@ -133,9 +133,7 @@ def _brute_force(recorded: Sequence[SectorStep]) -> list[tuple[AllocationProblem
     return best
 
 
-def _equal(
-    recorded: Sequence[SectorStep], best: Sequence[tuple[AllocationProblem, FloatArray, float]]
-) -> Result:
+def _equal(recorded: Sequence[SectorStep], best: Sequence[tuple[AllocationProblem, FloatArray, float]]) -> Result:
     gaps = [abs(one.cost - cost) / max(cost, 1e-12) for one, (_, _, cost) in zip(recorded, best, strict=True)]
     return Result(
         f"{_ROW}_unequal_to_brute_force",

@@ -33,8 +33,10 @@ def _window(start: float, end: float) -> Window:
     return Window(math.radians(start), math.radians(end))
 
 
+Windows = tuple[tuple[Window, ...], ...]
+
 # Table 6.1 by rotating thruster: bow, port, starboard. Every combination is a sub-problem, in the table's order.
-TABLE_6_1: tuple[tuple[Window, ...], ...] = (
+TABLE_6_1: Windows = (
     (_window(30, 209), _window(-209, -30)),
     (_window(-70, 109), _window(-20, 159), _window(-150, -110)),
     (_window(-109, 70), _window(-159, 20), _window(110, 150)),
@@ -60,9 +62,17 @@ class SectorAllocator(ABC):
 
 # CONNECT: return the allocator with its sectors enabled, hysteresis and dwell time zero. Everything else in the
 # benchmarks of sectors goes through this function and the class above.
-def start(vessel: Vessel) -> SectorAllocator:
-    """Return our allocator at its start: thrusters at rest in their fixed directions."""
-    return AllSubProblems(vessel, TABLE_6_1)
+def start(vessel: Vessel, windows: Windows = TABLE_6_1) -> SectorAllocator:
+    """Return our allocator at its start: thrusters at rest in their fixed directions.
+
+    Parameters
+    ----------
+    vessel
+        Geometry, limits, weights.
+    windows
+        Of every azimuth thruster, in the order of the vessel; what no window covers is forbidden.
+    """
+    return AllSubProblems(vessel, windows)
 
 
 OURS = "every sub-problem solved"
@@ -79,7 +89,7 @@ class AllSubProblems(SectorAllocator):
         Of every azimuth thruster, in the order of the vessel.
     """
 
-    def __init__(self, vessel: Vessel, windows: Sequence[Sequence[Window]]) -> None:
+    def __init__(self, vessel: Vessel, windows: Windows) -> None:
         self._vessel = vessel
         self._combinations = list(product(*windows))
         self._fixed = [j for j, turns in enumerate(vessel.can_rotate) if not turns]
@@ -170,9 +180,9 @@ def sub_problems(step: SectorStep) -> list[AllocationProblem]:
     return step.problems
 
 
-def record_sectors(vessel: Vessel, demands: FloatArray, dt: float) -> list[SectorStep]:
+def record_sectors(vessel: Vessel, demands: FloatArray, dt: float, windows: Windows = TABLE_6_1) -> list[SectorStep]:
     """Let our allocator answer ``demands``, shape (steps, 3), and keep every sub-problem."""
-    allocator = start(vessel)
+    allocator = start(vessel, windows)
     thrust, azimuth = np.zeros(len(vessel.thrusters)), vessel.fixed_direction.copy()
     steps: list[SectorStep] = []
     for tau in demands:
@@ -182,3 +192,12 @@ def record_sectors(vessel: Vessel, demands: FloatArray, dt: float) -> list[Secto
         steps.append(SectorStep(answer, problems, allocator.cost))
         thrust, azimuth = answer.thrust, answer.azimuth
     return steps
+
+
+def even_windows(vessel: Vessel, count: int) -> Windows:
+    """Return ``count`` windows for each azimuth thruster, evenly about its fixed direction, 20 deg apart."""
+    gap = math.radians(20.0)
+    half = 0.5 * (min(2.0 * math.pi / count, math.pi) - gap)
+    centres = [float(angle) for angle, turns in zip(vessel.fixed_direction, vessel.can_rotate, strict=True) if turns]
+    shifts = [2.0 * math.pi * i / count for i in range(count)]
+    return tuple(tuple(Window(c + shift - half, c + shift + half) for shift in shifts) for c in centres)

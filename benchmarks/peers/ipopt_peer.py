@@ -42,7 +42,7 @@ class Ipopt(Peer):
         thrust_weights = casadi.DM(np.array(gains.thrust_weight) ** 2)
         cost = casadi.dot(slack_weights, slack**2) + casadi.dot(thrust_weights, thrust**2)
         program = {"x": casadi.vertcat(thrust, azimuth, slack), "p": tau, "f": cost, "g": force + slack - tau}
-        options = {"print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes"}
+        options: dict[str, Any] = {"print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes"}
         self._solve = casadi.nlpsol("allocation", "ipopt", program, options)
 
     @property

@@ -26,4 +26,6 @@ def natural_form(problem: AllocationProblem) -> NaturalForm:
     """Return ``problem`` with the weights as they stand: x' P x / 2 is the cost (4.20)."""
     form = problem.slack_form()
     # The slack form is scaled for the sake of solvers, and its objective is half of the cost.
-    return NaturalForm(np.asarray(form.P * (2.0 / form.scale)), form.E, form.tau, form.G, form.h, form.lower, form.upper)
+    return NaturalForm(
+        np.asarray(form.P * (2.0 / form.scale)), form.E, form.tau, form.G, form.h, form.lower, form.upper
+    )

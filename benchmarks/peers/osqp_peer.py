@@ -84,7 +84,7 @@ class OsqpThroughQpsolvers(Peer):
 
 
 class NativeOsqp(Peer):
-    """OSQP's own interface: set up at the first step, vectors and matrix values updated, started from the last answer."""
+    """OSQP's own interface: set up at the first step, then updated and started from the last answer."""
 
     def __init__(self) -> None:
         try:
@@ -157,5 +157,3 @@ def _pair(form: NaturalForm, row: int) -> list[int]:
     free = np.flatnonzero(~np.isfinite(form.lower))
     at = int(np.searchsorted(free, first)) // 2 * 2
     return [int(free[at]), int(free[at + 1])]
-
-

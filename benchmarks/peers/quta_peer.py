@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.peers.peer import PeerMissingError
-from benchmarks.sub_problems import Window
+from benchmarks.sub_problems import Windows
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from thrust_allocator.problem import AllocationProblem
@@ -24,10 +25,16 @@ class EqualProblem:
     """quta on our very sub-problems: its own enumeration and matrices, with our windows and weights.
 
     Its thrusters take constraints of a user's making, and its allocator is made to be given a cost by deriving from it.
+
+    Parameters
+    ----------
+    windows
+        Of every azimuth thruster: the sub-problems are all combinations.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, windows: Windows) -> None:
         self._modules = _import()
+        self._counts = [len(of_thruster) for of_thruster in windows]
 
     def prepare(self, problems: Sequence[AllocationProblem]) -> Any:
         """Return an allocator of quta for one step: every thruster with its disjunct windows.
@@ -35,7 +42,7 @@ class EqualProblem:
         Parameters
         ----------
         problems
-            Sub-problems that are all combinations of the windows of their thrusters.
+            All sub-problems, the last thruster's windows changing first.
         """
         first = problems[0]
         weights = first.weights
@@ -55,8 +62,10 @@ class EqualProblem:
             else:
                 at = first.rotating.index(j)
                 pair = first.bounds + 2 * at
-                for block in _distinct(problems, rows * at, rows, pair):
-                    thruster.add_constraint(self._rows(block))
+                # The last thruster's windows change first from one sub-problem to the next.
+                stride = math.prod(self._counts[at + 1 :])
+                for i in range(self._counts[at]):
+                    thruster.add_constraint(self._rows(_block(problems[i * stride], rows * at, rows, pair)))
             allocator.add_thruster(thruster)
         return allocator, first.tau
 
@@ -98,7 +107,7 @@ class EqualProblem:
 class StaticSectors:
     """quta as it comes: sectors of the full thrust, no rate limits, equal weights, by design; set up once."""
 
-    def __init__(self, vessel: Vessel, windows: Sequence[Sequence[Window]]) -> None:
+    def __init__(self, vessel: Vessel, windows: Windows) -> None:
         modules = _import()
         self._allocator = modules.allocator.MinimizePowerAllocator()
         self._allocator.set_slack_coefficients([vessel.allocator.slack_gain * w for w in vessel.allocator.slack_weight])
@@ -127,14 +136,10 @@ class StaticSectors:
         return self._allocator.allocate(tau, relax=True)
 
 
-def _distinct(problems: Sequence[AllocationProblem], first: int, rows: int, pair: int) -> list[FloatArray]:
-    """Return the different row blocks of one thruster, in order of appearance."""
-    found: dict[bytes, FloatArray] = {}
-    for problem in problems:
-        bounds = problem.b_upper[problem.bounds + first : problem.bounds + first + rows]
-        block = np.column_stack([problem.A[first : first + rows, pair : pair + 2], bounds])
-        found.setdefault(block.tobytes(), block)
-    return list(found.values())
+def _block(problem: AllocationProblem, first: int, rows: int, pair: int) -> FloatArray:
+    """Return the rows of one thruster as (a_x, a_y, b), shape (rows, 3)."""
+    bounds = problem.b_upper[problem.bounds + first : problem.bounds + first + rows]
+    return np.column_stack([problem.A[first : first + rows, pair : pair + 2], bounds])
 
 
 def _import() -> SimpleNamespace:
