@@ -12,11 +12,12 @@ import numpy as np
 
 from benchmarks.demands import by_decades, strength
 from benchmarks.plan import Plan
-from benchmarks.reference import Batch, Kept, optimum
+from benchmarks.reference import Batch, optimum
 from benchmarks.result import Aim, Result
 from marine_model import Vessel, load_vessel
 from marine_model.guards import FloatArray
 from thrust_allocator import Allocator, AllocatorSettings
+from thrust_allocator.problem import AllocationProblem
 
 _SEED = 22
 _CHUNK = 2_000  # instances a task; each task has one vessel state (mode, failures), or a few of the small ones
@@ -133,9 +134,15 @@ def _random_settings(vessel: Vessel, draw: np.random.Generator) -> AllocatorSett
     )
 
 
-def program_answer(allocator: Allocator) -> FloatArray | None:
+def program_answer(allocator: Allocator, problem: AllocationProblem) -> FloatArray | None:
     """Return the variables that the last step's program was answered with, shape (m,); None without an answer."""
-    return None if allocator.solution is None else np.asarray(allocator.solution.z)
+    # Not by `allocator.solution`, which builds the problem once more and judges it: three times the time of the step.
+    answer = allocator._answer
+    if answer is None or answer.complaint:
+        return None
+    force = answer.force
+    along = (problem.B[:2, : problem.bounds].T * force[list(problem.fixed)]).sum(axis=1)
+    return np.concatenate([along, force[list(problem.rotating)].ravel()])
 
 
 def _examine_state(vessel: Vessel, settings: AllocatorSettings, count: int, draw: np.random.Generator) -> Findings:
@@ -148,7 +155,7 @@ def _examine_state(vessel: Vessel, settings: AllocatorSettings, count: int, draw
     size = by_decades(draw, _DEMAND_RANGE, (count, 1)) * (draw.random((count, 1)) > 0.02)
     demands = size * draw.normal(size=(count, 3)) * strength(vessel)
     time_steps = draw.choice(_TIME_STEPS, count)
-    groups: dict[tuple[tuple[int, ...], tuple[int, ...]], list[tuple[Kept, FloatArray]]] = {}
+    groups: dict[tuple[tuple[int, ...], tuple[int, ...]], list[tuple[AllocationProblem, FloatArray]]] = {}
     answered: list[int] = []
     answers: list[tuple[FloatArray, FloatArray, FloatArray, FloatArray]] = []
     for i, (thrust, azimuth, tau, dt) in enumerate(zip(thrusts, angles, demands, time_steps.tolist(), strict=True)):
@@ -157,12 +164,13 @@ def _examine_state(vessel: Vessel, settings: AllocatorSettings, count: int, draw
             result = allocator.step(tau, dt)
         except Exception:  # whatever it raises on good input is a failure
             continue
-        z, problem = program_answer(allocator), allocator.problem
-        if result.status != "optimal" or z is None or problem is None:
+        problem = allocator.problem
+        z = None if problem is None else program_answer(allocator, problem)
+        if result.status != "optimal" or problem is None or z is None:
             continue
         answered.append(i)
         answers.append((result.thrust.copy(), result.azimuth.copy(), result.slack, problem.B @ z))
-        groups.setdefault((problem.fixed, problem.rotating), []).append((Kept.of(problem), z.copy()))
+        groups.setdefault((problem.fixed, problem.rotating), []).append((problem, z))
     found = Findings(count, count - len(answered))
     if answered:
         # Lost thrusters are ramped down and count for nothing.
@@ -207,9 +215,9 @@ def _operating_thrusts(
     return np.where(kind > 0.95, high, np.where(kind > 0.9, least, thrusts))
 
 
-def _compare(members: list[tuple[Kept, FloatArray]], floor: float) -> Findings:
+def _compare(members: list[tuple[AllocationProblem, FloatArray]], floor: float) -> Findings:
     """Return the findings on instances of one form."""
-    batch = Batch.of([kept for kept, _ in members])
+    batch = Batch.of([problem for problem, _ in members])
     z = np.array([answer for _, answer in members])
     best = optimum(batch)
     least = best.cost.astype(np.float64)

@@ -77,12 +77,13 @@ def _compare(plan: Plan, vessel: Vessel, settings: AllocatorSettings, steps: lis
     candidates = {_OURS: ours(vessel, settings, steps)}
     candidates |= {name: Candidate(peer.prepare, peer.solve, _PEERS[name][1]) for name, peer in peers.items()}
     calls = in_turn(candidates, steps, plan.allocation_blocks, read, plan.progress)
-    optimum = optima([step.problem for step in steps])
+    answers = optima([step.problem for step in steps])
+    optimum = [step.problem.B @ z for step, z in zip(steps, answers, strict=True)]
 
     def verdict(name: str) -> Verdict:
         seen = calls[name]
-        answers = [None if isinstance(answer, Exception) else answer for answer in seen.answers]
-        return judge(vessel, steps, optimum, seen.places, answers, own_course=name == "mcsimpython")
+        given = [None if isinstance(answer, Exception) else answer for answer in seen.answers]
+        return judge(vessel, steps, optimum, seen.places, given, own_course=name == "mcsimpython")
 
     mine = summarize(calls[_OURS].times)
     own = verdict(_OURS)
@@ -93,7 +94,7 @@ def _compare(plan: Plan, vessel: Vessel, settings: AllocatorSettings, steps: lis
     )
     results = [
         Result(f"{row}_median", mine.median, "us", note=f"{note}; build, solve, polar form, status; {own}"),
-        Result(f"{row}_p99", mine.p99, "us", "its own median", mine.median, Aim("ratio", "<=", 4.0)),
+        p99(f"{row}_p99", calls[_OURS]),
     ]
     for name, (_, _, aim) in _PEERS.items():
         if name in missing:
@@ -106,6 +107,13 @@ def _compare(plan: Plan, vessel: Vessel, settings: AllocatorSettings, steps: lis
 def against(name: str, mine: float, title: str, theirs: float | None, aim: Aim | None, note: str = "") -> Result:
     """Return a row of rates, from times in us: its ratio says how many times as fast we are."""
     return Result(name, 1e6 / mine, RATE, title, None if theirs is None else 1e6 / theirs, aim, note)
+
+
+def p99(name: str, calls: Calls) -> Result:
+    """Return the row of the slowest hundredth of our steps, beside their median."""
+    clock, busy = summarize(calls.times), summarize(calls.busy)
+    note = f"by processor time, without what else the machine did: median {busy.median:.1f} us, p99 {busy.p99:.1f} us"
+    return Result(name, clock.p99, "us", "its own median", clock.median, Aim("ratio", "<=", 4.0), note)
 
 
 def _rows(

@@ -43,7 +43,9 @@ class Calls:
     Attributes
     ----------
     times
-        us a call, calls that raised included.
+        us a call by the clock, calls that raised included.
+    busy
+        us of this thread's processor time a call: without what else the machine did meanwhile.
     places
         Index of the step of each call.
     answers
@@ -51,6 +53,7 @@ class Calls:
     """
 
     times: list[float] = field(default_factory=list)
+    busy: list[float] = field(default_factory=list)
     places: list[int] = field(default_factory=list)
     answers: list[Any] = field(default_factory=list)
 
@@ -110,22 +113,25 @@ def _run(
     for place in wanted:
         step = steps[place]
         task = candidate.prepare(step)
-        spent, answer = _call(candidate.call, task)
+        spent, busy, answer = _call(candidate.call, task)
         if read is not None and not isinstance(answer, Exception):
             answer = read(name, step, answer)
         calls.times.append(spent)
+        calls.busy.append(busy)
         calls.places.append(place)
         calls.answers.append(answer)
 
 
-def _call(call: Callable[[Any], Any], task: Any) -> tuple[float, Any]:
-    """Return the time of one call, us, and its answer or exception."""
+def _call(call: Callable[[Any], Any], task: Any) -> tuple[float, float, Any]:
+    """Return time and processor time of one call, us, and its answer or exception."""
+    busy = time.thread_time_ns()
     begin = time.perf_counter_ns()
     try:
         answer = call(task)
     except Exception as error:  # whatever a library raises is a failure of that call, and counted as one
         answer = error
-    return (time.perf_counter_ns() - begin) * _NANOSECOND, answer
+    spent = time.perf_counter_ns() - begin
+    return spent * _NANOSECOND, (time.thread_time_ns() - busy) * _NANOSECOND, answer
 
 
 @contextmanager

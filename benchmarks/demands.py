@@ -55,7 +55,7 @@ class Step:
     slack
         What it could not give, shape (3,).
     problem
-        The quadratic program of this step; its own copy.
+        The quadratic program of this step.
     """
 
     tau: FloatArray
@@ -165,7 +165,7 @@ def record(vessel: Vessel, settings: AllocatorSettings, demands: FloatArray, dt:
         if problem is None:
             raise ValueError("record: every thruster is lost")
         steps.append(
-            Step(tau, dt, thrust, azimuth, result.thrust.copy(), result.azimuth.copy(), result.slack, problem.copy())
+            Step(tau, dt, thrust, azimuth, result.thrust.copy(), result.azimuth.copy(), result.slack.copy(), problem)
         )
         thrust, azimuth = steps[-1].thrust, steps[-1].azimuth
     return steps

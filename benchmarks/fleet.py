@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 from marine_model import Vessel
+from marine_model.frames import wrap_angle
+from marine_model.thruster import AzimuthThruster
 
 
 def with_thrusters(vessel: Vessel, count: int) -> Vessel:
@@ -60,3 +62,22 @@ def _moved(vessel: Vessel, position: tuple[float, float, float], i: int, own: in
     along = math.modf(i * (math.sqrt(5.0) - 1.0) / 2.0)[0] - 0.5
     across = math.modf(i * (math.sqrt(2.0) - 1.0))[0] - 0.5
     return (0.9 * vessel.hull.length * along, 0.9 * vessel.hull.beam * across, position[2])
+
+
+def with_windows(vessel: Vessel, count: int) -> Vessel:
+    """Return ``vessel`` with ``count`` windows of directions for every azimuth thruster, one about its fixed direction.
+
+    Between them lie forbidden sectors of 20 deg; a single window is 160 deg wide, so that it is convex.
+    """
+    half = 0.5 * (min(2.0 * math.pi / count, math.pi) - math.radians(20.0))
+    thrusters = []
+    for thruster in vessel.thrusters:
+        document = thruster.model_dump()
+        if isinstance(thruster, AzimuthThruster):
+            centres = [thruster.fixed_direction + 2.0 * math.pi * i / count for i in range(count)]
+            document["azimuth"]["sectors"] = tuple(
+                {"start": wrap_angle(here + half), "end": wrap_angle(there - half), "kind": "forbidden"}
+                for here, there in zip(centres, centres[1:] + centres[:1], strict=True)
+            )
+        thrusters.append(document)
+    return Vessel.model_validate(vessel.model_dump() | {"thrusters": tuple(thrusters)})

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import daqp
 import numpy as np
 from numpy.typing import NDArray
 
 from marine_model.guards import FloatArray
-from thrust_allocator.problem import AllocationProblem, Weights
+from thrust_allocator.problem import AllocationProblem
 
 # 80 bits on x86-64: 64 of them for the digits.
 Extended = NDArray[np.longdouble]
@@ -26,40 +26,6 @@ _EXCHANGES = 12
 _FEASIBLE = 1e-12
 _SIGN = 1e-12
 _STATIONARY = 1e-9  # V, up to 1e8, times the rounding of 10 N to 64 bits is 1e-10 beside a gradient of 1
-
-
-class Kept(NamedTuple):
-    """Copies of the arrays of a problem: a third of the time of copying the problem."""
-
-    weights: Weights
-    fixed: tuple[int, ...]
-    rotating: tuple[int, ...]
-    tau: FloatArray
-    B: FloatArray
-    H: FloatArray
-    f: FloatArray
-    A: FloatArray
-    b_lower: FloatArray
-    b_upper: FloatArray
-
-    @classmethod
-    def of(cls, problem: AllocationProblem) -> Kept:
-        """Return what is needed of ``problem``."""
-        return cls(
-            problem.weights,
-            problem.fixed,
-            problem.rotating,
-            problem.tau.copy(),
-            problem.B.copy(),
-            problem.H.copy(),
-            problem.f.copy(),
-            problem.A.copy(),
-            problem.b_lower.copy(),
-            problem.b_upper.copy(),
-        )
-
-
-Program = AllocationProblem | Kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +58,7 @@ class Batch:
     bounds: int
 
     @classmethod
-    def of(cls, problems: Sequence[Program]) -> Batch:
+    def of(cls, problems: Sequence[AllocationProblem]) -> Batch:
         """Return the batch of ``problems``.
 
         Raises
@@ -187,7 +153,7 @@ def optimum(batch: Batch) -> Optimum:
     return Optimum(z, batch.cost(z), verified)
 
 
-def optima(problems: Sequence[Program]) -> list[FloatArray]:
+def optima(problems: Sequence[AllocationProblem]) -> list[FloatArray]:
     """Return the variables of the optimum of every problem, rounded; the forms may differ.
 
     Raises

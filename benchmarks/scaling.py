@@ -10,13 +10,13 @@ import numpy as np
 from benchmarks.allocation import ours
 from benchmarks.blocks import Candidate, in_turn
 from benchmarks.demands import DemandSequence, Step, record, saturated_share, sequence, starter
-from benchmarks.fleet import with_thrusters
+from benchmarks.fleet import with_thrusters, with_windows
 from benchmarks.peers.osqp_peer import OsqpThroughQpsolvers
 from benchmarks.peers.peer import PeerMissingError
 from benchmarks.plan import Plan
 from benchmarks.result import Aim, Result
 from benchmarks.statistics import summarize
-from benchmarks.sub_problems import OURS, even_windows, record_sectors, start
+from benchmarks.sub_problems import OURS, record_sectors, start, window_counts
 from marine_model import Vessel, load_vessel
 from thrust_allocator import AllocatorSettings
 
@@ -107,14 +107,14 @@ def _thrusters(plan: Plan, vessel: Vessel, settings: AllocatorSettings) -> Resul
 
 def _sectors(vessel: Vessel, demands: DemandSequence, count: int) -> tuple[Result, int]:
     """Return the median step with ``count`` windows a thruster, and the number of combinations."""
-    windows = even_windows(vessel, count)
-    number = math.prod(len(of_thruster) for of_thruster in windows)
-    steps = [one.step for one in record_sectors(vessel, demands.demands, demands.dt, windows)]
-    allocator = [start(vessel, windows)]
+    vessel = with_windows(vessel, count)
+    number = math.prod(window_counts(vessel))
+    steps = [one.step for one in record_sectors(vessel, demands.demands, demands.dt)]
+    allocator = [start(vessel)]
 
     def prepare(step: Step) -> Step:
         if step is steps[0]:
-            allocator[0] = start(vessel, windows)
+            allocator[0] = start(vessel)
         return step
 
     candidate = Candidate(prepare, lambda step: allocator[0].step(step.tau, step.dt))

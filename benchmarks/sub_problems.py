@@ -1,13 +1,13 @@
-"""The 18 convex sub-problems of Table 6.1 of [Ruth], step by step, and who picks the best of them for us."""
+"""The problem with sectors, step by step: all its convex sub-problems, and who picks the best of them for us.
+
+A sub-problem is one window of directions a thruster, [Ruth] 6.4.1; CyberShip III has the 18 of Table 6.1.
+"""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,32 +15,13 @@ from benchmarks.demands import Step
 from marine_model import Vessel
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
-from thrust_allocator.phase import Phase, Plan
-from thrust_allocator.polar import rotating_command
-from thrust_allocator.problem import AllocationProblem, Weights
-from thrust_allocator.solvers import make_solver
-from thrust_allocator.windows import step_window
-
-
-class Window(NamedTuple):
-    """Allowed directions of one thruster, rad: from ``start`` by the positive turn to ``end``, less than 180 deg."""
-
-    start: float
-    end: float
-
-
-def _window(start: float, end: float) -> Window:
-    return Window(math.radians(start), math.radians(end))
-
-
-Windows = tuple[tuple[Window, ...], ...]
-
-# Table 6.1 by rotating thruster: bow, port, starboard. Every combination is a sub-problem, in the table's order.
-TABLE_6_1: Windows = (
-    (_window(30, 209), _window(-209, -30)),
-    (_window(-70, 109), _window(-20, 159), _window(-150, -110)),
-    (_window(-109, 70), _window(-159, 20), _window(110, 150)),
-)
+from thrust_allocator import AllocatorSettings
+from thrust_allocator.engine import Answer, Engine
+from thrust_allocator.limits import limit_table
+from thrust_allocator.phase import Limit
+from thrust_allocator.polar import Command
+from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.sectors import ThrusterSectors, combinations, factor_at, path_to, vessel_sectors
 
 
 class SectorAllocator(ABC):
@@ -57,73 +38,64 @@ class SectorAllocator(ABC):
 
     @abstractmethod
     def sub_problems(self) -> list[AllocationProblem]:
-        """Return the sub-problems of the last step, in the order of Table 6.1; copies."""
+        """Return all sub-problems of the last step, the windows of the last thruster changing first."""
 
 
-# CONNECT: return the allocator with its sectors enabled, hysteresis and dwell time zero. Everything else in the
-# benchmarks of sectors goes through this function and the class above.
-def start(vessel: Vessel, windows: Windows = TABLE_6_1) -> SectorAllocator:
-    """Return our allocator at its start: thrusters at rest in their fixed directions.
-
-    Parameters
-    ----------
-    vessel
-        Geometry, limits, weights.
-    windows
-        Of every azimuth thruster, in the order of the vessel; what no window covers is forbidden.
-    """
-    return AllSubProblems(vessel, windows)
-
-
+# CONNECT: return the allocator with its sectors enabled, hysteresis and dwell time zero; `OURS` says in the notes how
+# it does it. Everything else in the benchmarks of sectors goes through this function and the class above.
 OURS = "every sub-problem solved"
 
 
+def start(vessel: Vessel) -> SectorAllocator:
+    """Return our allocator at its start: thrusters at rest in their fixed directions."""
+    return AllSubProblems(vessel)
+
+
 class AllSubProblems(SectorAllocator):
-    """Solves all of them and takes the cheapest.
+    """Solves all of them by the compiled step and takes the cheapest.
 
     Parameters
     ----------
     vessel
-        Geometry, limits, weights.
-    windows
-        Of every azimuth thruster, in the order of the vessel.
+        Geometry, limits, weights, sectors.
     """
 
-    def __init__(self, vessel: Vessel, windows: Windows) -> None:
+    def __init__(self, vessel: Vessel) -> None:
         self._vessel = vessel
-        self._combinations = list(product(*windows))
-        self._fixed = [j for j, turns in enumerate(vessel.can_rotate) if not turns]
-        self._rotating = [j for j, turns in enumerate(vessel.can_rotate) if turns]
-        weights = Weights.of(vessel)
-        self._problems = [AllocationProblem(weights, self._fixed, self._rotating) for _ in self._combinations]
-        for problem in self._problems:
-            problem.point([float(vessel.fixed_direction[j]) for j in self._fixed])
-        self._solver = make_solver("daqp")
-        self._thrust = np.zeros(len(vessel.thrusters))
-        self._azimuth = vessel.fixed_direction.copy()
+        self._engine = Engine(vessel)
+        self._sectors = vessel_sectors(vessel)
+        self._combinations = list(combinations(self._sectors))
+        self._limits = limit_table(vessel, AllocatorSettings(azimuth_mode="rotating"))
+        self._before = np.zeros((len(vessel.thrusters), Command.COLUMNS))
+        self._before[:, Command.AZIMUTH] = vessel.fixed_direction
+        self._multiplier = np.zeros(3)
         self._cost = math.inf
+        self._answers: list[Answer] = []
 
     def step(self, tau: FloatArray, dt: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return thrust, direction and slack of the cheapest sub-problem."""
-        plans = [self._plans(windows, dt) for windows in self._combinations]
-        best, z = -1, np.zeros(0)
+        weights = self._engine.weights
+        of_window = [
+            [self._row(j, sectors, window) for window in range(len(sectors.windows))]
+            for j, sectors in enumerate(self._sectors)
+        ]
+        self._answers = []
+        best: Answer | None = None
         self._cost = math.inf
-        for i, problem in enumerate(self._problems):
-            _write(problem, plans[i], tau)
-            solution = self._solver.solve(problem)
-            cost = math.inf if solution is None else 2.0 * problem.objective(solution.z)
-            if solution is not None and cost < self._cost:
-                best, z, self._cost = i, solution.z, cost
-        problem = self._problems[best]
-        thrust, azimuth = self._thrust.copy(), self._azimuth.copy()
-        for i, j in enumerate(self._fixed):
-            thrust[j] = min(max(z[i], plans[best][j].thrust_lower), plans[best][j].thrust_upper)
-        at = len(self._fixed)
-        for j in self._rotating:
-            thrust[j], azimuth[j] = rotating_command(plans[best][j], z[at], z[at + 1], 1e-6)
-            at += 2
-        self._thrust, self._azimuth = thrust, azimuth
-        return thrust, azimuth, problem.slack(z)
+        for windows in self._combinations:
+            limits = np.array([of_window[j][window] for j, window in enumerate(windows)])
+            answer = self._engine.run(limits, self._before, self._multiplier, weights.thrust, tau, dt)
+            self._answers.append(answer)
+            slack = tau - np.einsum("jik,jk->i", self._engine.columns, answer.force)
+            cost = float(weights.slack @ slack**2 + weights.thrust @ (answer.force**2).sum(axis=1))
+            if not answer.complaint and cost < self._cost:
+                best, self._cost = answer, cost
+        if best is None:
+            raise ValueError("no sub-problem was solved")
+        self._before = best.commands
+        self._multiplier = best.multiplier
+        thrust, azimuth = best.commands[:, Command.THRUST], best.commands[:, Command.AZIMUTH]
+        return thrust, azimuth, tau - best.totals[:3]
 
     @property
     def cost(self) -> float:
@@ -131,58 +103,46 @@ class AllSubProblems(SectorAllocator):
         return self._cost
 
     def sub_problems(self) -> list[AllocationProblem]:
-        """Return copies of all."""
-        return [problem.copy() for problem in self._problems]
+        """Return all sub-problems of the last step."""
+        return [self._engine.problem(answer) for answer in self._answers]
 
-    def _plans(self, windows: Sequence[Window], dt: float) -> list[Plan]:
-        """Return what each thruster may do; outside its window it comes nearer at c_1 of its rate or more."""
-        vessel = self._vessel
-        approach = vessel.allocator.approach_fraction
-        plans = []
-        of = iter(windows)
-        for j, turns in enumerate(vessel.can_rotate):
-            change = float(vessel.thrust_rate[j]) * dt
-            least, most = float(vessel.thrust_min[j]), float(vessel.thrust_max[j])
-            before = float(self._azimuth[j])
-            low = high = 0.0
-            if turns:
-                least = -min(vessel.allocator.zero_region * (most - least), change)
-                window = next(of)
-                half = 0.5 * (window.end - window.start)
-                offset = wrap_angle(before - 0.5 * (window.start + window.end))
-                low, high = step_window(offset, -half, half, float(vessel.azimuth_rate[j]) * dt, approach)
-                low, high = low - offset, high - offset
-            lower, upper = step_window(float(self._thrust[j]), least, most, change, approach)
-            plans.append(Plan(Phase.ROTATING if turns else Phase.FIXED, lower, upper, before, low, high))
-        return plans
-
-
-def _write(problem: AllocationProblem, plans: Sequence[Plan], tau: FloatArray) -> None:
-    for i, j in enumerate(problem.fixed):
-        problem.limit_fixed(i, plans[j].thrust_lower, plans[j].thrust_upper)
-    for i, j in enumerate(problem.rotating):
-        _, lower, upper, azimuth, low, high = plans[j]
-        problem.limit_rotating(i, azimuth, low, high, lower, upper)
-    problem.demand(tau)
+    def _row(self, j: int, sectors: ThrusterSectors, window: int) -> FloatArray:
+        """Return the limits of thruster ``j`` for one of its windows."""
+        row = np.array(self._limits[j])
+        chosen = sectors.windows[window]
+        if chosen.disc:
+            return row
+        azimuth = float(self._before[j, Command.AZIMUTH])
+        offset = wrap_angle(azimuth - chosen.centre)
+        path = path_to(sectors, window, azimuth)
+        row[Limit.REACH_LOW], row[Limit.REACH_HIGH] = -chosen.half_width - offset, chosen.half_width - offset
+        row[Limit.TO_WINDOW] = 0.0 if path.inside else path.turn
+        row[Limit.FACTOR] = factor_at(sectors, azimuth)
+        return row
 
 
 @dataclass(frozen=True, slots=True)
 class SectorStep:
-    """One step with sectors: the step as such, with the cheapest problem, and all of the sub-problems."""
+    """One step with sectors: the step as such, and all of its sub-problems."""
 
     step: Step
     problems: list[AllocationProblem]
-    cost: float  # of the problem that was chosen
+    cost: float  # of the program that was chosen
 
 
 def sub_problems(step: SectorStep) -> list[AllocationProblem]:
-    """Return the 18 sub-problems of ``step``: what every peer is given."""
+    """Return the sub-problems of ``step``, 18 for CyberShip III: what every peer is given."""
     return step.problems
 
 
-def record_sectors(vessel: Vessel, demands: FloatArray, dt: float, windows: Windows = TABLE_6_1) -> list[SectorStep]:
+def window_counts(vessel: Vessel) -> list[int]:
+    """Return the number of windows of every thruster; the sub-problems are all their combinations."""
+    return [len(sectors.windows) for sectors in vessel_sectors(vessel)]
+
+
+def record_sectors(vessel: Vessel, demands: FloatArray, dt: float) -> list[SectorStep]:
     """Let our allocator answer ``demands``, shape (steps, 3), and keep every sub-problem."""
-    allocator = start(vessel, windows)
+    allocator = start(vessel)
     thrust, azimuth = np.zeros(len(vessel.thrusters)), vessel.fixed_direction.copy()
     steps: list[SectorStep] = []
     for tau in demands:
@@ -192,12 +152,3 @@ def record_sectors(vessel: Vessel, demands: FloatArray, dt: float, windows: Wind
         steps.append(SectorStep(answer, problems, allocator.cost))
         thrust, azimuth = answer.thrust, answer.azimuth
     return steps
-
-
-def even_windows(vessel: Vessel, count: int) -> Windows:
-    """Return ``count`` windows for each azimuth thruster, evenly about its fixed direction, 20 deg apart."""
-    gap = math.radians(20.0)
-    half = 0.5 * (min(2.0 * math.pi / count, math.pi) - gap)
-    centres = [float(angle) for angle, turns in zip(vessel.fixed_direction, vessel.can_rotate, strict=True) if turns]
-    shifts = [2.0 * math.pi * i / count for i in range(count)]
-    return tuple(tuple(Window(c + shift - half, c + shift + half) for shift in shifts) for c in centres)

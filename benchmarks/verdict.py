@@ -90,7 +90,7 @@ def judge(
     steps
         All steps.
     optimum
-        Variables of the optimum of every step, shape (m,) each.
+        Generalized force of the optimum of every step, shape (3,) each.
     places, answers
         Which steps were answered, and how; None for a failure.
     own_course
@@ -126,5 +126,5 @@ def judge(
             verdict.azimuth_rate.note(excesses[2])
         verdict.bad_steps += max(excesses) > TOLERANCE
         force = generalized_force(vessel.lever_x, vessel.lever_y, thrust, azimuth)
-        verdict.force_errors.append(float(np.abs(force - step.problem.B @ optimum[place]).max()))
+        verdict.force_errors.append(float(np.abs(force - optimum[place]).max()))
     return verdict

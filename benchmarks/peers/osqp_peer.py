@@ -123,7 +123,7 @@ class NativeOsqp(Peer):
         """Update and solve."""
         values, lower, upper = task
         self._solver.update(l=lower, u=upper, Ax=values)
-        return self._solver.solve()
+        return self._solver.solve(raise_error=False)
 
     def commands(self, step: Step, answer: Any) -> Commands | None:
         """Return the commands of an answer that was found."""

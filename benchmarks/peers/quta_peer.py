@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks.peers.peer import PeerMissingError
-from benchmarks.sub_problems import Windows
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.sectors import vessel_sectors
 
 # quadprog calls feasible problems inconsistent where weights span 1 to 1e8: all are divided by this part of the
 # smallest slack weight, which changes no answer.
@@ -28,13 +28,13 @@ class EqualProblem:
 
     Parameters
     ----------
-    windows
-        Of every azimuth thruster: the sub-problems are all combinations.
+    counts
+        Number of windows of every thruster: the sub-problems are all combinations.
     """
 
-    def __init__(self, windows: Windows) -> None:
+    def __init__(self, counts: Sequence[int]) -> None:
         self._modules = _import()
-        self._counts = [len(of_thruster) for of_thruster in windows]
+        self._counts = list(counts)
 
     def prepare(self, problems: Sequence[AllocationProblem]) -> Any:
         """Return an allocator of quta for one step: every thruster with its disjunct windows.
@@ -48,24 +48,12 @@ class EqualProblem:
         weights = first.weights
         scale = _SLACK_WEIGHT / float(weights.slack.min())
         allocator = self._allocator(weights.thrust * scale, weights.slack * scale)
-        rows = len(first.A) // max(1, len(first.rotating))
         for j in range(len(weights.thrust)):
             thruster = self._modules.thruster.Thruster((weights.lever_x[j], weights.lever_y[j]))
-            if j in first.fixed:
-                i = first.fixed.index(j)
-                direction = np.array([first.B[0, i], first.B[1, i]])
-                thruster.add_constraint(
-                    self._modules.constraints.Constraint1D(
-                        tuple(first.b_lower[i] * direction), tuple(first.b_upper[i] * direction)
-                    )
-                )
-            else:
-                at = first.rotating.index(j)
-                pair = first.bounds + 2 * at
-                # The last thruster's windows change first from one sub-problem to the next.
-                stride = math.prod(self._counts[at + 1 :])
-                for i in range(self._counts[at]):
-                    thruster.add_constraint(self._rows(_block(problems[i * stride], rows * at, rows, pair)))
+            # The last thruster's windows change first from one sub-problem to the next.
+            stride = math.prod(self._counts[j + 1 :])
+            for i in range(self._counts[j]):
+                thruster.add_constraint(self._constraint(*_block(problems[i * stride], j)))
             allocator.add_thruster(thruster)
         return allocator, first.tau
 
@@ -74,13 +62,9 @@ class EqualProblem:
         allocator, tau = task
         return allocator.allocate(tau, relax=True)
 
-    def variables(self, problem: AllocationProblem, answer: Any) -> FloatArray:
-        """Return the answer as variables of ``problem``, shape (m,)."""
-        forces = np.asarray(answer[0]).reshape(-1, 2)
-        z = [float(forces[j] @ problem.B[:2, i]) for i, j in enumerate(problem.fixed)]
-        for j in problem.rotating:
-            z += forces[j].tolist()
-        return np.array(z)
+    def forces(self, answer: Any) -> FloatArray:
+        """Return the Cartesian thrusts of the answer, shape (n, 2), N."""
+        return np.asarray(answer[0]).reshape(-1, 2)
 
     def _allocator(self, thrust: FloatArray, slack: FloatArray) -> Any:
         base = self._modules.allocator.Allocator
@@ -93,13 +77,13 @@ class EqualProblem:
 
         return Weighted()
 
-    def _rows(self, block: FloatArray) -> Any:
-        """Return rows (a_x, a_y, b), a_x T_x + a_y T_y <= b, as a constraint of quta."""
+    def _constraint(self, rows: FloatArray, limits: FloatArray, equations: int) -> Any:
+        """Return rows, shape (k, 2), times force >= limits as a constraint of quta; the first ones are equations."""
         base = self._modules.constraints.Constraint
 
         class Rows(base):  # type: ignore[misc, valid-type]
             def _linearized_constraint(self) -> tuple[FloatArray, FloatArray, int]:
-                return -block[:, :2], -block[:, 2], 0
+                return rows, limits, equations
 
         return Rows()
 
@@ -107,15 +91,14 @@ class EqualProblem:
 class StaticSectors:
     """quta as it comes: sectors of the full thrust, no rate limits, equal weights, by design; set up once."""
 
-    def __init__(self, vessel: Vessel, windows: Windows) -> None:
+    def __init__(self, vessel: Vessel) -> None:
         modules = _import()
         self._allocator = modules.allocator.MinimizePowerAllocator()
         self._allocator.set_slack_coefficients([vessel.allocator.slack_gain * w for w in vessel.allocator.slack_weight])
-        of = iter(windows)
-        for j, turns in enumerate(vessel.can_rotate):
+        for j, sectors in enumerate(vessel_sectors(vessel)):
             thruster = modules.thruster.Thruster((vessel.lever_x[j], vessel.lever_y[j]))
-            if turns:
-                for window in next(of):
+            if vessel.can_rotate[j]:
+                for window in sectors.windows:
                     # One edge a radian or so: five to an arc of 179 deg.
                     thruster.add_constraint(
                         modules.constraints.SectorConstraint(vessel.thrust_max[j], window.start, window.end, edges=1)
@@ -136,10 +119,18 @@ class StaticSectors:
         return self._allocator.allocate(tau, relax=True)
 
 
-def _block(problem: AllocationProblem, first: int, rows: int, pair: int) -> FloatArray:
-    """Return the rows of one thruster as (a_x, a_y, b), shape (rows, 3)."""
-    bounds = problem.b_upper[problem.bounds + first : problem.bounds + first + rows]
-    return np.column_stack([problem.A[first : first + rows, pair : pair + 2], bounds])
+def _block(problem: AllocationProblem, j: int) -> tuple[FloatArray, FloatArray, int]:
+    """Return the limits of thruster ``j`` on its Cartesian thrust as rows >= limits, and how many are equations."""
+    k = problem.bounds
+    if j in problem.fixed:
+        i = problem.fixed.index(j)
+        along = problem.B[:2, i]
+        rows = np.array([[-along[1], along[0]], along, -along])
+        return rows, np.array([0.0, problem.b_lower[i], -problem.b_upper[i]]), 1
+    i = problem.rotating.index(j)
+    pair = problem.A[:, k + 2 * i : k + 2 * i + 2]
+    own = np.flatnonzero(pair.any(axis=1))
+    return -pair[own], -problem.b_upper[k + own], 0
 
 
 def _import() -> SimpleNamespace:

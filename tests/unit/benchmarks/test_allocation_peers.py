@@ -12,10 +12,12 @@ from benchmarks.peers.pseudo_inverse_peer import PseudoInverse
 from benchmarks.peers.quta_peer import EqualProblem, StaticSectors
 from benchmarks.peers.slsqp_peer import Slsqp
 from benchmarks.reference import optima
-from benchmarks.sub_problems import TABLE_6_1, record_sectors, sub_problems
+from benchmarks.sub_problems import record_sectors, sub_problems, window_counts
 from marine_model import load_vessel
+from marine_model.frames import wrap_angle
 from marine_model.thruster_configuration import generalized_force
 from thrust_allocator import AllocatorSettings
+from thrust_allocator.sectors import vessel_sectors
 
 VESSEL = load_vessel("cybership3")
 
@@ -74,28 +76,28 @@ def test_mcsimpython_gives_all_that_is_demanded(mode: str) -> None:
 
 def test_quta_finds_the_cheapest_of_the_same_sub_problems() -> None:
     pytest.importorskip("quta", reason="an optional package of the benchmarks")
-    peer = EqualProblem(TABLE_6_1)
+    peer = EqualProblem(window_counts(VESSEL))
     for one in record_sectors(VESSEL, 1.5 * demand_in_waves(VESSEL, 15, 8), 0.2):
         answer = peer.solve(peer.prepare(sub_problems(one)))
-        problem = one.problems[0]
-        cost = 2.0 * problem.objective(peer.variables(problem, answer))
+        forces = peer.forces(answer)
+        slack = one.step.tau - [*forces.sum(axis=0), VESSEL.lever_x @ forces[:, 1] - VESSEL.lever_y @ forces[:, 0]]
+        weights = one.problems[0].weights
+        cost = weights.slack @ slack**2 + weights.thrust @ (forces**2).sum(axis=1)
         assert cost == pytest.approx(one.cost, rel=1e-8, abs=1e-12)
 
 
 def test_quta_as_it_comes_keeps_to_the_sectors_and_knows_no_rates() -> None:
     pytest.importorskip("quta", reason="an optional package of the benchmarks")
-    peer = StaticSectors(VESSEL, TABLE_6_1)
+    peer = StaticSectors(VESSEL)
     demand = np.array([-8.0, 4.0, 0.5])
     forces = np.asarray(peer.solve(demand)[0]).reshape(-1, 2)
     moment = VESSEL.lever_x @ forces[:, 1] - VESSEL.lever_y @ forces[:, 0]
     assert [*forces.sum(axis=0), moment] == pytest.approx(demand, abs=0.05)
     # 12 N at once, from rest.
     assert np.hypot(*forces.T).max() > 1.1 * float(VESSEL.thrust_rate.max()) * 0.2
-    for windows, force in zip(TABLE_6_1, forces[1:], strict=True):
-        angle = np.arctan2(force[1], force[0])
-        assert any(
-            (angle - window.start + 1e-9) % (2 * np.pi) <= window.end - window.start + 2e-9 for window in windows
-        )
+    for sectors, force in list(zip(vessel_sectors(VESSEL), forces, strict=True))[1:]:
+        angle = float(np.arctan2(force[1], force[0]))
+        assert any(abs(wrap_angle(angle - window.centre)) <= window.half_width + 1e-9 for window in sectors.windows)
 
 
 @pytest.mark.parametrize("mode", ["fixed", "rotating"])

@@ -11,7 +11,7 @@ from thrust_allocator import AllocatorSettings
 
 VESSEL = load_vessel("cybership3")
 STEPS = record(VESSEL, AllocatorSettings(azimuth_mode="rotating"), demand_in_waves(VESSEL, 30, 2), 0.2)
-OPTIMUM = optima([step.problem for step in STEPS])
+OPTIMUM = [step.problem.B @ z for step, z in zip(STEPS, optima([step.problem for step in STEPS]), strict=True)]
 LAST = len(STEPS) - 1  # thrust is up there, so that directions count
 
 
