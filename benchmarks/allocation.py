@@ -89,12 +89,18 @@ def _compare(plan: Plan, vessel: Vessel, settings: AllocatorSettings, steps: lis
     own = verdict(_OURS)
     row = f"allocation_{mode}"
     note = (
-        f"{mine.count} steps of a closed loop in waves, {saturated_share(vessel, steps):.0%} saturated, "
+        f"{len(steps)} steps of a closed loop in waves, {saturated_share(vessel, steps):.0%} saturated, "
         f"{plan.allocation_blocks} blocks in turn with the peers'"
     )
     results = [
         Result(f"{row}_median", mine.median, "us", note=f"{note}; build, solve, polar form, status; {own}"),
         p99(f"{row}_p99", calls[_OURS]),
+        Result(
+            f"{row}_cold",
+            summarize(calls[_OURS].cold).median,
+            "us",
+            note="first call of a block, after the others had the processor's caches; not part of the two above",
+        ),
     ]
     for name, (_, _, aim) in _PEERS.items():
         if name in missing:
@@ -129,7 +135,8 @@ def _rows(
             peer.title,
             theirs.median,
             aim,
-            f"its median {theirs.median:.0f} us, p99 {theirs.p99:.0f} us, {theirs.count} steps",
+            f"its median {theirs.median:.0f} us, p99 {theirs.p99:.0f} us, cold {summarize(calls.cold).median:.0f} us, "
+            f"{len(calls.places)} steps",
         ),
         against(f"{row}_over_{peer.name}_p99", mine.p99, peer.title, theirs.p99, None),
         Result(

@@ -14,6 +14,9 @@ from benchmarks.demands import Step
 
 # Calls before the first that counts: caches, machine code, first allocations.
 _WARM_UP = 3
+# Calls at the start of a block whose times are not counted, a quarter of them at most: they find the processor's caches
+# filled by the others and by the garbage collector. What the first of them takes is kept on its own.
+_COLD = 5
 _NANOSECOND = 1e-3  # us
 
 
@@ -43,17 +46,20 @@ class Calls:
     Attributes
     ----------
     times
-        us a call by the clock, calls that raised included.
+        us a call by the clock, calls that raised included, the first ones of a block not.
     busy
-        us of this thread's processor time a call: without what else the machine did meanwhile.
+        us of this thread's processor time for the same calls: without what else the machine did meanwhile.
+    cold
+        us of the first call of every block, by the clock.
     places
-        Index of the step of each call.
+        Index of the step of each call, all of them.
     answers
         What the calls returned; the exception for one that raised.
     """
 
     times: list[float] = field(default_factory=list)
     busy: list[float] = field(default_factory=list)
+    cold: list[float] = field(default_factory=list)
     places: list[int] = field(default_factory=list)
     answers: list[Any] = field(default_factory=list)
 
@@ -110,14 +116,18 @@ def _run(
     calls: Calls,
     read: Callable[[str, Step, Any], Any] | None,
 ) -> None:
-    for place in wanted:
+    uncounted = min(_COLD, len(wanted) // 4)
+    for nth, place in enumerate(wanted):
         step = steps[place]
         task = candidate.prepare(step)
         spent, busy, answer = _call(candidate.call, task)
         if read is not None and not isinstance(answer, Exception):
             answer = read(name, step, answer)
-        calls.times.append(spent)
-        calls.busy.append(busy)
+        if nth == 0:
+            calls.cold.append(spent)
+        if nth >= uncounted:
+            calls.times.append(spent)
+            calls.busy.append(busy)
         calls.places.append(place)
         calls.answers.append(answer)
 

@@ -29,7 +29,8 @@ def test_blocks_alternate_and_the_order_turns_round() -> None:
     assert [name for name, _ in counted] == list("aaaabb" + "bbaaaa" + "aaaabb")
     assert calls["a"].places == list(range(12))
     assert calls["b"].places == [0, 1, 4, 5, 8, 9]
-    assert len(calls["b"].times) == 6
+    # The first of four calls is cold; two are too few to leave one out.
+    assert (len(calls["a"].times), len(calls["a"].cold), len(calls["b"].times)) == (9, 3, 6)
     assert min(calls["b"].times) > 0.0
 
 
