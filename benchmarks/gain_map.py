@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import time
 from typing import Any
 
@@ -13,6 +12,7 @@ from benchmarks.result import Aim, Result
 from benchmarks.statistics import summarize
 from marine_model import Vessel, load_vessel
 from marine_model.guards import FloatArray
+from thrust_allocator.singularity import Scaling, gain_map, scaling_of
 
 _ANGLES = 72
 _REPETITIONS = 5
@@ -21,7 +21,6 @@ _SECOND = Aim("value", "<=", 1.0)
 
 def measure_gain_map(plan: Plan) -> list[Result]:
     """Measure a map with all thrusters bidirectional, and with the azimuth thrusters unidirectional."""
-    singularity: Any = importlib.import_module("thrust_allocator.singularity")
     vessel = load_vessel(plan.vessel)
     n = len(vessel.thrusters)
     turning = [j for j, turns in enumerate(vessel.can_rotate) if turns]
@@ -35,9 +34,7 @@ def measure_gain_map(plan: Plan) -> list[Result]:
     ):
 
         def draw(grid: FloatArray, mask: Any = one_way) -> FloatArray:
-            return np.asarray(
-                singularity.gain_map(vessel, thrusters, (grid, grid), vessel.fixed_direction, enabled, mask)
-            )
+            return np.asarray(gain_map(vessel, thrusters, (grid, grid), vessel.fixed_direction, enabled, mask))
 
         begin = time.perf_counter()
         draw(angles[:2])  # machine code is made or loaded
@@ -50,7 +47,7 @@ def measure_gain_map(plan: Plan) -> list[Result]:
             times.append(time.perf_counter() - begin)
             if name == "bidirectional":
                 begin = time.perf_counter()
-                peer = _by_svd(vessel, singularity.scaling_of(vessel), thrusters, angles, enabled)
+                peer = _by_svd(vessel, scaling_of(vessel), thrusters, angles, enabled)
                 theirs.append(time.perf_counter() - begin)
         size = " x ".join(map(str, found.shape))
         note = f"{size} configurations, median of {_REPETITIONS}; first call of all {first:.2f} s"
@@ -70,7 +67,9 @@ def measure_gain_map(plan: Plan) -> list[Result]:
     return results
 
 
-def _by_svd(vessel: Vessel, scaling: Any, thrusters: tuple[int, int], angles: FloatArray, enabled: Any) -> FloatArray:
+def _by_svd(
+    vessel: Vessel, scaling: Scaling, thrusters: tuple[int, int], angles: FloatArray, enabled: Any
+) -> FloatArray:
     """Return the smallest singular value of the scaled configuration, [Ruth] (7.1), shape (cases, angles, angles)."""
     first, second = np.meshgrid(angles, angles, indexing="ij")
     azimuth = np.broadcast_to(vessel.fixed_direction, (*first.shape, len(vessel.thrusters))).copy()

@@ -137,7 +137,6 @@ def test_a_quick_measurement_gives_rows_with_unlike_names(measure, tmp_path: Pat
 
 
 def test_the_map_is_numpys(tmp_path: Path) -> None:
-    pytest.importorskip("thrust_allocator.singularity", reason="not there yet")
     rows = {row.name: row for row in measure_gain_map(quick(tmp_path))}
     assert rows["gain_map_bidirectional"].peer_value is not None
     difference = float(rows["gain_map_bidirectional"].note.rpartition(" ")[2])
