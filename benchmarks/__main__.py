@@ -8,10 +8,15 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
+from rich.progress import Progress, TaskID
 
+from benchmarks.accuracy import measure_accuracy
+from benchmarks.allocation import measure_allocation
+from benchmarks.gain_map import measure_gain_map
 from benchmarks.graph import measure_composed, measure_separate
 from benchmarks.hop import measure_hop
 from benchmarks.in_process import measure_in_process
@@ -19,6 +24,8 @@ from benchmarks.machine import describe_machine, write_machine
 from benchmarks.plan import Plan, quick, whole
 from benchmarks.printout import print_machine, print_results
 from benchmarks.result import Result, write_results
+from benchmarks.scaling import measure_scaling
+from benchmarks.sectors import measure_sectors
 from benchmarks.start_up import measure_start_up
 
 _MEASUREMENTS: dict[str, tuple[str, Callable[[Plan], list[Result]]]] = {
@@ -27,6 +34,11 @@ _MEASUREMENTS: dict[str, tuple[str, Callable[[Plan], list[Result]]]] = {
     "separate": ("Lockstep graph, one process a node", measure_separate),
     "composed": ("Lockstep graph, one process", measure_composed),
     "start_up": ("Start-up", measure_start_up),
+    "allocation": ("Allocation step", measure_allocation),
+    "sectors": ("Allocation with forbidden sectors", measure_sectors),
+    "accuracy": ("Accuracy of the allocation", measure_accuracy),
+    "scaling": ("Allocation by number of thrusters and sectors", measure_scaling),
+    "gain_map": ("Map of the minimum gain", measure_gain_map),
 }
 # Tests take ROS domains up to 101. From 215 on the ports of a domain lie above Linux's ephemeral range.
 _DOMAIN = "220"
@@ -53,8 +65,9 @@ def main(arguments: Sequence[str]) -> int:
         for name in chosen.only or _MEASUREMENTS:
             title, measure = _MEASUREMENTS[name]
             try:
-                with console.status(f"measuring: {title}"):
-                    found = measure(plan)
+                with Progress(console=console, transient=True) as bar:
+                    line = bar.add_task(f"measuring: {title}", total=None)
+                    found = measure(replace(plan, progress=_shown(bar, line)))
             except Exception as error:  # whatever it was, the others can still be measured
                 failed.append(name)
                 console.print(f"{name}: failed: {type(error).__name__}: {error}", markup=False, style="red")
@@ -72,6 +85,11 @@ def main(arguments: Sequence[str]) -> int:
     if failed:
         console.print(f"failed: {', '.join(failed)}", style="red")
     return 1 if failed else 0
+
+
+def _shown(bar: Progress, line: TaskID) -> Callable[[int, int], None]:
+    """Return what a measurement tells how far it is."""
+    return lambda done, total: bar.update(line, completed=done, total=total)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,19 @@ from typing import Any
 
 import psutil
 
-_DISTRIBUTIONS = ("numpy", "daqp", "ros-jazzy-rclpy", "ros-fastrtps", "MCSimPython")
+_DISTRIBUTIONS = (
+    "numpy",
+    "numba",
+    "daqp",
+    "ros-jazzy-rclpy",
+    "ros-fastrtps",
+    "MCSimPython",
+    "osqp",
+    "qpsolvers",
+    "scipy",
+    "casadi",
+    "quta",
+)
 
 
 def describe_machine() -> dict[str, Any]:

@@ -56,8 +56,10 @@ def print_results(console: Console, title: str, results: Sequence[Result]) -> No
 
 
 def _number(value: float | None) -> str:
-    """Return three significant digits without an exponent."""
+    """Return three significant digits, and an exponent only where there would be none of them."""
     if value is None:
         return ""
+    if 0.0 < abs(value) < 0.01:
+        return f"{value:.1e}"
     digits = 0 if abs(value) >= 100.0 else 1 if abs(value) >= 10.0 else 2
     return f"{value:.{digits}f}"
