@@ -132,11 +132,11 @@ def test_parameters_act_from_the_next_demand(start: Any) -> None:
 @pytest.mark.parametrize(
     ("values", "reason"),
     [
-        ({"solver": "magic"}, "solver: expected one of daqp, "),
-        ({"azimuth_mode": "auto"}, "azimuth_mode: Input should be 'fixed' or 'rotating'"),
+        ({"solver": "magic"}, "solver: expected one of active_set, daqp, "),
+        ({"azimuth_mode": "sideways"}, "azimuth_mode: Input should be 'fixed', 'rotating', 'variable' or 'auto'"),
         ({"thrust_limit_scale": [1.0, 1.0, 1.0, 1.5]}, "thrust_limit_scale.3"),
         ({"thruster_enabled": [True, False]}, "thruster_enabled: expected 4 elements"),
-        ({"azimuth_mode": "rotating", "solver": "magic"}, "solver: expected one of daqp, "),
+        ({"azimuth_mode": "rotating", "solver": "magic"}, "solver: expected one of active_set, daqp, "),
         ({"initial_azimuth": "feedback"}, "read-only"),
     ],
 )
@@ -146,13 +146,13 @@ def test_bad_parameters_are_refused_whole(start: Any, values: dict[str, Any], re
     assert not answer.successful
     assert reason in answer.reason
     status = bench.ask(START)[2]
-    assert (status.azimuth_mode, status.solver, status.status) == ("fixed", "daqp", "optimal")
+    assert (status.azimuth_mode, status.solver, status.status) == ("fixed", "active_set", "optimal")
 
 
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        ({"solver": "magic"}, "solver: expected one of daqp, "),
+        ({"solver": "magic"}, "solver: expected one of active_set, daqp, "),
         ({"initial_azimuth": "north"}, "initial_azimuth: expected one of vessel, feedback, found 'north'"),
         ({"azimuth_enabled": [True]}, "azimuth_enabled: expected 4 elements"),
     ],

@@ -67,6 +67,8 @@ class SettingsParameters(Generic[S]):
         for name, default in parameters_of(defaults).items():
             descriptor = describe(self._model, name)
             value = list(default) if isinstance(default, tuple) else default
+            # One without a value has no type in ROS until it is set; the model judges it then.
+            descriptor.dynamic_typing = value is None
             try:
                 declared = node.declare_parameter(name, value, descriptor)
             except ParameterException as error:
@@ -159,5 +161,9 @@ def _type(annotation: Any) -> tuple[int, tuple[str, ...]]:
             element = typing.get_args(element)[0]
         return _ARRAYS[element], choices
     if isinstance(annotation, types.UnionType):
-        raise TypeError(f"a parameter has one type, found {annotation}")
+        # A setting may be left unset; apart from that a parameter has one type.
+        kinds = [kind for kind in typing.get_args(annotation) if kind is not type(None)]
+        if len(kinds) != 1:
+            raise TypeError(f"a parameter has one type, found {annotation}")
+        return _type(kinds[0])
     return _SCALARS[annotation], ()

@@ -147,8 +147,8 @@ class AllocatorNode(RingNode[AllocatorSettings]):
     def _total_power(self, message: Any) -> float:
         """Return the measured power of the thrusters that are not lost, W."""
         enabled = dict(zip(self._names, self.settings.thruster_enabled or (True,) * len(self._names), strict=True))
-        power = finite_vector("thruster_feedback: power", message.power, len(self._names)).tolist()
-        return sum(value for name, value in zip(message.name, power, strict=True) if enabled.get(name, False))
+        power: list[float] = finite_vector("thruster_feedback: power", message.power, len(self._names)).tolist()
+        return sum([value for name, value in zip(message.name, power, strict=True) if enabled.get(name, False)], 0.0)
 
     def _needed(self, demand: Any) -> int:
         """Return the stamp of the feedback before a demand, where the simulator sends one at every time step."""
