@@ -121,7 +121,7 @@ class Allocator:
         self._limits = limit_table(self._vessel, settings)
         self._feathering.apply(self._limits, settings.feather_time)
         rule = switching_rule(SectorGains(**settings.sectors.model_dump(exclude={"enabled"})))
-        self._sectors.apply(self._limits, rule)
+        self._sectors.apply(rule)
         self._power.apply(settings.power)
         weight = self._engine.weights.thrust
         if settings.thrust_weight == "propeller":

@@ -8,19 +8,20 @@ import numpy as np
 
 from marine_model import Vessel
 from marine_model.guards import FloatArray
+from thrust_allocator.active_set import IntArray
 from thrust_allocator.phase import Limit
 from thrust_allocator.polar import Command
 from thrust_allocator.sectors.geometry import factor_at, vessel_sectors
-from thrust_allocator.sectors.path import Reach, nearest_window, path_into, reach_table, sector_table
+from thrust_allocator.sectors.path import Reach, narrow, nearest_window, reach_table, sector_table
 from thrust_allocator.sectors.pieces import Pieces
-from thrust_allocator.sectors.search import best_combination, sub_problem_cost
+from thrust_allocator.sectors.search import survey
 from thrust_allocator.sectors.supervisor import (
     Candidate,
     SupervisorState,
     SwitchingRule,
     advance,
-    cost_limits,
     decide,
+    may_cross,
 )
 
 # Reach of a window that a thruster cannot be turned to at all.
@@ -68,8 +69,10 @@ class SectorControl:
         self._pieces = Pieces(self._thrusters)
         self._columns, self._compliance = columns, compliance
         self._counts = [len(thruster.windows) for thruster in self._thrusters]
-        self._unlimited = [thruster.windows[0].disc for thruster in self._thrusters]
-        self._force = np.zeros((len(self._thrusters), 2))
+        self._reduced = [j for j, thruster in enumerate(self._thrusters) if thruster.limited]
+        self._none_crossing = (False,) * len(self._thrusters)
+        self._free: IntArray = np.zeros(len(self._thrusters), dtype=np.int64)
+        self._far: IntArray = np.zeros(len(self._thrusters), dtype=np.int64)
         self.reset()
 
     @property
@@ -81,13 +84,19 @@ class SectorControl:
         """Forget what was chosen."""
         n = len(self._thrusters)
         self._state = SupervisorState((0,) * n)
-        self._rotates = [False] * n
+        self._choose(self._state)
+        self._rotates: list[bool] = [False] * n
+        self._limited = np.zeros(n, dtype=np.int64)
+        self._barred: list[int] = []
+        self._still: list[int] = []
+        self._held_at = np.full(n, np.nan)
+        self._key = b""
         self._multiplier = np.zeros(3)
 
-    def apply(self, limits: FloatArray, rule: SwitchingRule) -> None:
-        """Take the table of limits, shape (n, 14), and the rule of the supervisor; they hold from the next step on."""
+    def apply(self, rule: SwitchingRule) -> None:
+        """Take the rule of the supervisor; it holds from the next step on."""
         self._rule = rule
-        self._pieces.limit(limits)
+        self._key = b""
 
     def step(
         self, limits: FloatArray, before: FloatArray, weight: FloatArray, tau: FloatArray, dt: float
@@ -107,79 +116,77 @@ class SectorControl:
         dt
             Time step, s.
         """
-        azimuth = np.ascontiguousarray(before[:, Command.AZIMUTH])
-        angles: list[float] = azimuth.tolist()
-        rotates = ((limits[:, Limit.ENABLED] * limits[:, Limit.MAY_ROTATE] * limits[:, Limit.ROTATING]) != 0.0).tolist()
-        state = self._entered(rotates, angles, limits)
-        table, pieces = self._table, self._pieces
-        choice = np.array(state.windows, dtype=np.int64)
-        reach = reach_table(azimuth, choice, *table)
-        for j, may in enumerate(rotates):
-            if not may:
-                first = int(pieces.first[j])
-                reach[first : first + self._counts[j]] = _OUT_OF_REACH
-                reach[first + state.windows[j]] = Reach.FREE
-        state = advance(state, dt)
-        what = (self._columns, weight, self._compliance, tau, pieces.corners, pieces.count, pieces.first)
-        cost = sub_problem_cost(*what, choice, self._multiplier, self._force)
-        # First what needs no turn, for it is taken at once and becomes what the rest is measured by.
-        solved = 1
-        candidates: list[Candidate] = []
-        for furthest in (Reach.FREE, Reach.CROSS):
-            limits_of_cost = cost_limits(state, self._rule, candidates[0].cost if candidates else cost)
-            if furthest is Reach.FREE:
-                limit = limits_of_cost.free
-            else:
-                limit = limits_of_cost.turn
-                if limits_of_cost.cross < limit:
-                    furthest = Reach.TURN
-            least, more = best_combination(*what, reach, int(furthest), limit, self._multiplier, choice)
-            solved += more
-            if least < limit:
-                windows = tuple(choice.tolist())
-                hardest = max(int(reach[pieces.first[j] + i]) for j, i in enumerate(windows))
-                candidates.append(Candidate(windows, least, hardest))
-        chosen = decide(state, self._rule, cost, candidates)
-        for candidate in candidates:
-            if candidate.windows == chosen.windows:
-                cost = candidate.cost
-        self._state = chosen
-        crossing = self._narrow(limits, angles, rotates)
+        azimuth = before[:, Command.AZIMUTH].copy()
+        # What a thruster may do seldom changes, and comparing bytes is quick.
+        key = limits[:, : Limit.THRUST_RATE].tobytes()
+        if key != self._key:
+            self._key = key
+            self._pieces.limit(limits)
+            # Three columns that are 0 or 1.
+            self._enter([all(row) for row in limits[:, : Limit.THRUST_MIN].tolist()], azimuth)
+        for j in self._still:
+            if azimuth[j] != self._held_at[j]:
+                self._held_at[j] = azimuth[j]
+                self._pieces.hold(j, limits, float(azimuth[j]))
+        table, pieces, rule = self._table, self._pieces, self._rule
+        reach = reach_table(azimuth, self._chosen, *table)
+        reach[self._barred] = _OUT_OF_REACH
+        state = advance(self._state, dt)
+        cost, free_cost, far_cost, hardest, solved = survey(
+            self._columns,
+            weight,
+            self._compliance,
+            tau,
+            pieces.corners,
+            pieces.count,
+            pieces.first,
+            reach,
+            rule.cost_ratio,
+            may_cross(state, rule),
+            self._multiplier,
+            self._chosen,
+            self._free,
+            self._far,
+        )
+        if min(free_cost, far_cost) < np.inf:
+            candidates = (
+                Candidate(tuple(self._free.tolist()), free_cost, Reach.FREE),
+                Candidate(tuple(self._far.tolist()), far_cost, hardest),
+            )
+            state = decide(state, rule, cost, [candidate for candidate in candidates if candidate.cost < np.inf])
+            cost = next((candidate.cost for candidate in candidates if candidate.windows == state.windows), cost)
+            self._choose(state)
+        self._state = state
+        outside = narrow(limits, azimuth, self._chosen, self._limited, *table)
+        limits[:, Limit.FACTOR] = 1.0
+        for j in self._reduced:
+            if self._rotates[j]:
+                limits[j, Limit.FACTOR] = factor_at(self._thrusters[j], float(azimuth[j]))
+        crossing = tuple((limits[:, Limit.TO_WINDOW] != 0.0).tolist()) if outside else self._none_crossing
+        return SectorReport(self._number, state.windows, cost, crossing, solved)
+
+    def _choose(self, state: SupervisorState) -> None:
+        self._chosen = np.array(state.windows, dtype=np.int64)
         number = 0
-        for count, index in zip(self._counts, chosen.windows, strict=True):
+        for count, index in zip(self._counts, state.windows, strict=True):
             number = number * count + index
-        return SectorReport(number + 1, chosen.windows, cost, crossing, solved)
+        self._number = number + 1
 
-    def _entered(self, rotates: list[bool], angles: list[float], limits: FloatArray) -> SupervisorState:
-        """Return the state with the windows of thrusters that rotate from now on, or no longer."""
-        state = self._state
-        windows = list(state.windows)
+    def _enter(self, rotates: list[bool], azimuth: FloatArray) -> None:
+        """Choose windows for thrusters that rotate from now on, and leave those of the others alone."""
+        windows = list(self._state.windows)
+        self._barred = []
         for j, may in enumerate(rotates):
+            first = int(self._pieces.first[j])
             if not may:
+                # Whatever it is held at is in the place of its first window.
                 windows[j] = 0
-                self._pieces.hold(j, limits, angles[j])
+                self._barred += range(first + 1, first + self._counts[j])
             elif not self._rotates[j]:
-                windows[j] = nearest_window(self._thrusters[j], angles[j], windows[j])
-                self._pieces.limit_one(j, limits)
+                windows[j] = nearest_window(self._thrusters[j], float(azimuth[j]), windows[j])
+            self._limited[j] = may and not self._thrusters[j].windows[0].disc
         self._rotates = rotates
-        return SupervisorState(tuple(windows), state.since_crossing)
-
-    def _narrow(self, limits: FloatArray, angles: list[float], rotates: list[bool]) -> tuple[bool, ...]:
-        crossing = []
-        table = self._table
-        for j, thruster in enumerate(self._thrusters):
-            limits[j, Limit.REACH_LOW], limits[j, Limit.REACH_HIGH] = -np.inf, np.inf
-            limits[j, Limit.TO_WINDOW], limits[j, Limit.FACTOR] = 0.0, 1.0
-            turn = 0.0
-            if rotates[j] and not self._unlimited[j]:
-                window = thruster.windows[self._state.windows[j]]
-                first, last = table.first_forbidden[j], table.first_forbidden[j + 1]
-                _, turn, _ = path_into(angles[j], window.centre, window.half_width, table.forbidden, first, last)
-                offset = (angles[j] - window.centre + np.pi) % (2.0 * np.pi) - np.pi
-                limits[j, Limit.REACH_LOW] = -window.half_width - offset
-                limits[j, Limit.REACH_HIGH] = window.half_width - offset
-                limits[j, Limit.TO_WINDOW] = turn
-            if rotates[j] and thruster.limited:
-                limits[j, Limit.FACTOR] = factor_at(thruster, angles[j])
-            crossing.append(turn != 0.0)
-        return tuple(crossing)
+        self._still = [j for j, may in enumerate(rotates) if not may]
+        self._held_at[:] = np.nan
+        self._state = SupervisorState(tuple(windows), self._state.since_crossing)
+        self._choose(self._state)

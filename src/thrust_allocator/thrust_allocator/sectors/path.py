@@ -13,6 +13,7 @@ from marine_model.compiled import compiled
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
 from marine_model.sector import ANGLE_TOLERANCE
+from thrust_allocator.phase import Limit
 from thrust_allocator.sectors.geometry import ThrusterSectors
 
 IntArray = NDArray[np.int64]
@@ -20,6 +21,7 @@ IntArray = NDArray[np.int64]
 _PI = float(np.pi)
 _TWO_PI = 2.0 * _PI
 _TOLERANCE = ANGLE_TOLERANCE
+_REACH_LOW, _REACH_HIGH, _TO_WINDOW = Limit.REACH_LOW, Limit.REACH_HIGH, Limit.TO_WINDOW
 
 
 class Reach(IntEnum):
@@ -148,6 +150,48 @@ def reach_table(
             elif not inside:
                 reach[m] = 1  # Reach.TURN
     return reach
+
+
+@compiled
+def narrow(
+    limits: FloatArray,
+    azimuth: FloatArray,
+    chosen: IntArray,
+    limited: IntArray,
+    windows: FloatArray,
+    first_window: IntArray,
+    forbidden: FloatArray,
+    first_forbidden: IntArray,
+) -> int:
+    """Write what the chosen windows leave to every thruster into ``limits``; return how many are outside theirs.
+
+    Parameters
+    ----------
+    limits
+        Table of limits, shape (n, 14), see :class:`phase.Limit`: ``REACH_LOW``, ``REACH_HIGH`` and ``TO_WINDOW``.
+    azimuth, chosen
+        Shape (n,), rad, and index of the window.
+    limited
+        Shape (n,): 0 for thrusters that no window limits.
+    windows, first_window, forbidden, first_forbidden
+        ``*table`` of a :class:`SectorTable`.
+    """
+    outside = 0
+    for j in range(azimuth.shape[0]):
+        low, high, turn = -np.inf, np.inf, 0.0
+        if limited[j] != 0:
+            m = first_window[j] + chosen[j]
+            centre, half_width = windows[m, 0], windows[m, 1]
+            _, turn, _ = path_into(
+                azimuth[j], centre, half_width, forbidden, first_forbidden[j], first_forbidden[j + 1]
+            )
+            offset = wrapped(azimuth[j] - centre)
+            low, high = -half_width - offset, half_width - offset
+            outside += turn != 0.0
+        limits[j, _REACH_LOW] = low
+        limits[j, _REACH_HIGH] = high
+        limits[j, _TO_WINDOW] = turn
+    return outside
 
 
 def path_to(thruster: ThrusterSectors, window: int, azimuth: float) -> Path:

@@ -48,19 +48,15 @@ class Pieces:
 
     def limit(self, limits: FloatArray) -> None:
         """Take the thrust limits from the table of limits, shape (n, 14), for thrusters that rotate."""
-        for j in range(len(self._thrusters)):
-            self.limit_one(j, limits)
-
-    def limit_one(self, j: int, limits: FloatArray) -> None:
-        """Do that for thruster ``j`` alone."""
-        for i, window in enumerate(self._thrusters[j].windows):
-            row = int(self.first[j]) + i
-            if limits[j, Limit.ENABLED] == 0.0:
-                self.count[row] = 0
-                continue
-            corners = _cone(window, window.thrust_factor * float(limits[j, Limit.THRUST_MAX]))
-            self.corners[row, : len(corners)] = corners
-            self.count[row] = len(corners)
+        for j, thruster in enumerate(self._thrusters):
+            for i, window in enumerate(thruster.windows):
+                row = int(self.first[j]) + i
+                if limits[j, Limit.ENABLED] == 0.0:
+                    self.count[row] = 0
+                    continue
+                corners = _cone(window, window.thrust_factor * float(limits[j, Limit.THRUST_MAX]))
+                self.corners[row, : len(corners)] = corners
+                self.count[row] = len(corners)
 
     def hold(self, j: int, limits: FloatArray, azimuth: float) -> None:
         """Let thruster ``j`` give no more than thrust along ``azimuth`` (rad), either way."""

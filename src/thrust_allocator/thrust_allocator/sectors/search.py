@@ -18,6 +18,7 @@ from marine_model.compiled import compiled
 from marine_model.guards import FloatArray
 from thrust_allocator.active_set import IntArray, pull_of, solve
 from thrust_allocator.projection import project
+from thrust_allocator.sectors.supervisor import limits_of_cost
 
 # Sets of multipliers that are kept; the last ones replace the last place.
 _POOL = 24
@@ -197,3 +198,66 @@ def best_combination(
         if cost < best:
             best = cost
             choice[:] = pick
+
+
+@compiled
+def survey(
+    B: FloatArray,
+    weight: FloatArray,
+    compliance: FloatArray,
+    tau: FloatArray,
+    corners: FloatArray,
+    count: IntArray,
+    first: IntArray,
+    reach: IntArray,
+    cost_ratio: float,
+    crossing: bool,
+    multiplier: FloatArray,
+    chosen: IntArray,
+    free: IntArray,
+    far: IntArray,
+) -> tuple[float, float, float, int, int]:
+    """Return what the supervisor decides on: the cost of the present combination, and of the best two kinds of others.
+
+    Parameters
+    ----------
+    B, weight, compliance, tau, corners, count, first, reach
+        As in :func:`best_combination`.
+    cost_ratio, crossing
+        Hysteresis, and whether the dwell time is over, as in :func:`supervisor.limits_of_cost`.
+    multiplier
+        Where the solver starts; receives the answer's of the present combination, shape (m,).
+    chosen
+        Present combination, shape (n,).
+    free, far
+        Receive the best combination that needs no turn, and the best that needs one.
+
+    Returns
+    -------
+    tuple
+        Cost of ``chosen``, of ``free`` and of ``far`` (infinite where there is none that is worth it), the largest
+        reach of ``far``, and how many combinations were solved.
+    """
+    n = len(weight)
+    force = np.empty((n, 2))
+    cost = sub_problem_cost(B, weight, compliance, tau, corners, count, first, chosen, multiplier, force)
+    limit, _, _ = limits_of_cost(cost, cost_ratio, crossing)
+    free_cost, more = best_combination(
+        B, weight, compliance, tau, corners, count, first, reach, 0, limit, multiplier, free
+    )
+    solved = 1 + more
+    if free_cost < limit:
+        least = free_cost
+    else:
+        free_cost, least = np.inf, cost
+    _, limit, crossing_limit = limits_of_cost(least, cost_ratio, crossing)
+    furthest = 2 if crossing_limit >= limit else 1
+    far_cost, more = best_combination(
+        B, weight, compliance, tau, corners, count, first, reach, furthest, limit, multiplier, far
+    )
+    if not far_cost < limit:
+        return cost, free_cost, np.inf, 0, solved + more
+    hardest = 0
+    for j in range(n):
+        hardest = max(hardest, reach[first[j] + far[j]])
+    return cost, free_cost, far_cost, hardest, solved + more

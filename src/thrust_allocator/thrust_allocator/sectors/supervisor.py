@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from marine_model.compiled import compiled
 from marine_model.errors import InputError
 from marine_model.gains import SectorGains
 from marine_model.guards import positive_number
@@ -82,8 +83,14 @@ def cost_limits(state: SupervisorState, rule: SwitchingRule, free_cost: float) -
     """
     if not free_cost >= 0.0:
         raise InputError(f"cost: expected a number of at least 0, found {free_cost}")
-    turn = free_cost * rule.cost_ratio
-    return CostLimits(free_cost * (1.0 - _COST_ROUNDING), turn, turn if may_cross(state, rule) else -math.inf)
+    return CostLimits(*limits_of_cost(free_cost, rule.cost_ratio, may_cross(state, rule)))
+
+
+@compiled
+def limits_of_cost(free_cost: float, cost_ratio: float, crossing: bool) -> tuple[float, float, float]:
+    """Return :class:`CostLimits` for machine code; ``crossing``: the dwell time is over."""
+    turn = free_cost * cost_ratio
+    return free_cost * (1.0 - _COST_ROUNDING), turn, turn if crossing else -math.inf
 
 
 def decide(
