@@ -33,6 +33,8 @@ DEFAULT_INDEX = "https://pypi.org/simple"
 LOCKED_GROUPS = ("runtime", "ros", "build", "test", "lint")
 OLDEST_PYTHON = (3, 11)
 NEWEST_PYTHON = (3, 12)
+# Packages with inner loops that are compiled, by `python -m thrust_allocator.machine_code`.
+COMPILED = ("src/thrust_allocator/thrust_allocator", "src/marine_model/marine_model")
 INSTALL_FAILED = "could not install the pinned packages (network lost, or disk full?)"
 
 
@@ -180,6 +182,16 @@ def build_key(root: Path, environment: str) -> str:
     return _digest(parts)
 
 
+def machine_code_key(root: Path, environment: str) -> str:
+    """Changes when the inner loops have to be compiled anew; empty where there are none."""
+    if not (root / COMPILED[0]).is_dir():
+        return ""
+    parts = [("environment", environment.encode())]
+    for folder in COMPILED:
+        parts.extend((str(file.relative_to(root)), file.read_bytes()) for file in sorted((root / folder).rglob("*.py")))
+    return _digest(parts)
+
+
 def read_stamp(path: Path) -> Dict[str, Any]:
     """What was written by `write_stamp`, or nothing if it is not there or not readable."""
     try:
@@ -309,7 +321,10 @@ class Workspace:
         needs_environment = read_stamp(environment_stamp).get("key") != environment or not self.venv_python.exists()
         needs_bench = bench and (needs_environment or read_stamp(bench_stamp).get("key") != extra)
         needs_build = needs_environment or read_stamp(build_stamp).get("key") != build
-        if not (needs_environment or needs_bench or needs_build):
+        code_stamp = self.root / "install" / "machine_code.json"
+        code = machine_code_key(self.root, environment)
+        needs_code = bool(code) and (needs_build or read_stamp(code_stamp).get("key") != code)
+        if not (needs_environment or needs_bench or needs_build or needs_code):
             return False
 
         if needs_environment or needs_bench:
@@ -325,6 +340,9 @@ class Workspace:
                 write_stamp(bench_stamp, {"key": extra})
             if needs_build:
                 self._build(environment, build, build_stamp)
+            if needs_code:
+                self._compile_inner_loops()
+                write_stamp(code_stamp, {"key": code})
         return True
 
     @contextlib.contextmanager
@@ -462,6 +480,15 @@ class Workspace:
                 show=re.compile(r"^(Finished|Failed) +<<< .*"),
             )
             write_stamp(build_stamp, {"key": build, "environment": environment, "packages": names})
+
+    def _compile_inner_loops(self) -> None:
+        """Numba would do it at first use, which a running node has no time for."""
+        with self._step("machine code of the inner loops"):
+            self._run(
+                [str(self.venv_python), "-m", "thrust_allocator.machine_code"],
+                "could not compile the inner loops",
+                show=re.compile(r"^compiled: "),
+            )
 
     def lock(self) -> None:
         """Writes locks/ from pyproject.toml with the uv that set-up installed."""

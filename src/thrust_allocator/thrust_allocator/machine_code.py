@@ -1,0 +1,91 @@
+"""Compiles the inner loops ahead of their first use: ``python3 -m thrust_allocator.machine_code``.
+
+Without it the first allocator on a machine compiles them when it is made, which takes half a minute. The machine code
+stays beside the modules, or in the user's cache folder where those cannot be written.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+
+from marine_model import load_vessel
+from thrust_allocator.allocator import Allocator
+from thrust_allocator.attainable import largest_ball, scale_to_boundary
+from thrust_allocator.attainable.force_set import force_set
+from thrust_allocator.settings import AllocatorSettings, PowerSettings, SectorSettings
+from thrust_allocator.singularity import gain_map, minimum_gain, scaled_configuration
+from thrust_allocator.singularity.settings import SingularitySettings
+
+_VESSEL = "cybership3"
+_TAU = (3.0, 1.0, 0.5)
+
+
+def _allocation() -> None:
+    vessel = load_vessel(_VESSEL)
+    for changes in (
+        {"cost": "power_3_2", "over_demand": "proportional"},
+        {"sectors": SectorSettings(enabled=True)},
+        {"power": PowerSettings(limit="both", available=1.0, bus_limit=(0.5,) * len(vessel.power.buses))},
+    ):
+        Allocator(vessel, AllocatorSettings.for_vessel(vessel, azimuth_mode="rotating", **changes))
+
+
+def _monitoring() -> None:
+    vessel = load_vessel(_VESSEL)
+    settings = AllocatorSettings.for_vessel(
+        vessel, azimuth_mode="rotating", singularity=SingularitySettings(monitor="all")
+    )
+    result = Allocator(vessel, settings).step(_TAU, vessel.measurement.sample_time)
+    result.gains, result.margin, result.gain_both_ways  # noqa: B018 - computed when read
+    for azimuth in (None, vessel.fixed_direction):
+        scale_to_boundary(vessel, azimuth, _TAU)
+    largest_ball(force_set(vessel, None))
+
+
+def _singularity() -> None:
+    vessel = load_vessel(_VESSEL)
+    for method in ("three_step", "required_gain", "crossing"):
+        settings = AllocatorSettings.for_vessel(
+            vessel, azimuth_mode="rotating", singularity=SingularitySettings(method=method)
+        )
+        Allocator(vessel, settings)
+    B = scaled_configuration(vessel, vessel.fixed_direction)
+    for unidirectional in (None, np.ones(B.shape[1], dtype=np.bool_)):
+        minimum_gain(B, unidirectional)
+    angles = np.linspace(-math.pi, math.pi, 3)
+    gain_map(vessel, (2, 3), (angles, angles), vessel.fixed_direction)
+
+
+PARTS: dict[str, Callable[[], None]] = {
+    "allocation": _allocation,
+    "monitoring": _monitoring,
+    "singularity": _singularity,
+}
+
+
+def _compile(part: str) -> str:
+    PARTS[part]()
+    return part
+
+
+def main() -> None:
+    """Compile the first part, which the others use, and then those, as many at once as there are processors."""
+    first, *others = PARTS
+    with ProcessPoolExecutor(min(os.cpu_count() or 1, len(others)), mp_context=get_context("spawn")) as pool:
+        _tell(pool.submit(_compile, first).result())
+        for part in pool.map(_compile, others):
+            _tell(part)
+
+
+def _tell(part: str) -> None:
+    print(f"compiled: {part}", flush=True)  # noqa: T201 - a program's progress
+
+
+if __name__ == "__main__":
+    main()
