@@ -137,7 +137,7 @@ def _random_settings(vessel: Vessel, draw: np.random.Generator) -> AllocatorSett
 def program_answer(allocator: Allocator, problem: AllocationProblem) -> FloatArray | None:
     """Return the variables that the last step's program was answered with, shape (m,); None without an answer."""
     # Not by `allocator.solution`, which builds the problem once more and judges it: three times the time of the step.
-    answer = allocator._answer
+    answer = allocator.answer
     if answer is None or answer.complaint:
         return None
     force = answer.force

@@ -13,15 +13,11 @@ import numpy as np
 
 from benchmarks.demands import Step
 from marine_model import Vessel
-from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
-from thrust_allocator import AllocatorSettings
-from thrust_allocator.engine import Answer, Engine
-from thrust_allocator.limits import limit_table
-from thrust_allocator.phase import Limit
-from thrust_allocator.polar import Command
+from thrust_allocator import Allocator, AllocatorSettings
 from thrust_allocator.problem import AllocationProblem
-from thrust_allocator.sectors import ThrusterSectors, combinations, factor_at, path_to, vessel_sectors
+from thrust_allocator.sectors import vessel_sectors
+from thrust_allocator.settings import SectorSettings
 
 
 class SectorAllocator(ABC):
@@ -41,18 +37,17 @@ class SectorAllocator(ABC):
         """Return all sub-problems of the last step, the windows of the last thruster changing first."""
 
 
-# CONNECT: return the allocator with its sectors enabled, hysteresis and dwell time zero; `OURS` says in the notes how
-# it does it. Everything else in the benchmarks of sectors goes through this function and the class above.
-OURS = "every sub-problem solved"
+# How ours does it, for the notes.
+OURS = "all of one step of the allocator: search, plan, solve, polar form, status"
 
 
 def start(vessel: Vessel) -> SectorAllocator:
     """Return our allocator at its start: thrusters at rest in their fixed directions."""
-    return AllSubProblems(vessel)
+    return OurSectors(vessel)
 
 
-class AllSubProblems(SectorAllocator):
-    """Solves all of them by the compiled step and takes the cheapest.
+class OurSectors(SectorAllocator):
+    """The allocator with sectors, hysteresis and dwell time zero, so that it takes the cheapest in every step.
 
     Parameters
     ----------
@@ -61,64 +56,27 @@ class AllSubProblems(SectorAllocator):
     """
 
     def __init__(self, vessel: Vessel) -> None:
-        self._vessel = vessel
-        self._engine = Engine(vessel)
-        self._sectors = vessel_sectors(vessel)
-        self._combinations = list(combinations(self._sectors))
-        self._limits = limit_table(vessel, AllocatorSettings(azimuth_mode="rotating"))
-        self._before = np.zeros((len(vessel.thrusters), Command.COLUMNS))
-        self._before[:, Command.AZIMUTH] = vessel.fixed_direction
-        self._multiplier = np.zeros(3)
+        sectors = SectorSettings(enabled=True, hysteresis=0.0, dwell_time=0.0)
+        settings = AllocatorSettings.for_vessel(vessel, azimuth_mode="rotating", sectors=sectors)
+        self._allocator = Allocator(vessel, settings)
         self._cost = math.inf
-        self._answers: list[Answer] = []
 
     def step(self, tau: FloatArray, dt: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return thrust, direction and slack of the cheapest sub-problem."""
-        weights = self._engine.weights
-        of_window = [
-            [self._row(j, sectors, window) for window in range(len(sectors.windows))]
-            for j, sectors in enumerate(self._sectors)
-        ]
-        self._answers = []
-        best: Answer | None = None
-        self._cost = math.inf
-        for windows in self._combinations:
-            limits = np.array([of_window[j][window] for j, window in enumerate(windows)])
-            answer = self._engine.run(limits, self._before, self._multiplier, weights.thrust, tau, dt)
-            self._answers.append(answer)
-            slack = tau - np.einsum("jik,jk->i", self._engine.columns, answer.force)
-            cost = float(weights.slack @ slack**2 + weights.thrust @ (answer.force**2).sum(axis=1))
-            if not answer.complaint and cost < self._cost:
-                best, self._cost = answer, cost
-        if best is None:
-            raise ValueError("no sub-problem was solved")
-        self._before = best.commands
-        self._multiplier = best.multiplier
-        thrust, azimuth = best.commands[:, Command.THRUST], best.commands[:, Command.AZIMUTH]
-        return thrust, azimuth, tau - best.totals[:3]
+        """Return thrust, direction and slack of one step."""
+        result = self._allocator.step(tau, dt)
+        if result.sectors is None:
+            raise ValueError("the allocator does not keep the sectors")
+        self._cost = result.sectors.cost
+        return result.thrust, result.azimuth, result.slack
 
     @property
     def cost(self) -> float:
-        """Cost (4.20) of the chosen program."""
+        """Cost (4.20) of the sub-problem that the last step chose."""
         return self._cost
 
     def sub_problems(self) -> list[AllocationProblem]:
         """Return all sub-problems of the last step."""
-        return [self._engine.problem(answer) for answer in self._answers]
-
-    def _row(self, j: int, sectors: ThrusterSectors, window: int) -> FloatArray:
-        """Return the limits of thruster ``j`` for one of its windows."""
-        row = np.array(self._limits[j])
-        chosen = sectors.windows[window]
-        if chosen.disc:
-            return row
-        azimuth = float(self._before[j, Command.AZIMUTH])
-        offset = wrap_angle(azimuth - chosen.centre)
-        path = path_to(sectors, window, azimuth)
-        row[Limit.REACH_LOW], row[Limit.REACH_HIGH] = -chosen.half_width - offset, chosen.half_width - offset
-        row[Limit.TO_WINDOW] = 0.0 if path.inside else path.turn
-        row[Limit.FACTOR] = factor_at(sectors, azimuth)
-        return row
+        return self._allocator.sub_problems()
 
 
 @dataclass(frozen=True, slots=True)

@@ -66,13 +66,13 @@ def solution_of(problem: AllocationProblem, force: FloatArray, multiplier: Float
     for i, j in enumerate(problem.rotating):
         at = k + 2 * i
         z[at : at + 2] = force[j]
-        rows = slice(5 * i, 5 * i + 5)
+        rows = problem.rows[i]
         A = problem.A[rows, at : at + 2]
         limits = problem.b_upper[k:][rows]
         active = np.flatnonzero(limits - A @ force[j] <= _ACTIVE * max(1.0, float(np.abs(limits).max())))
         if len(active):
             held = np.array(pull_of(columns, j, multiplier)) - weights.thrust[j] * force[j]
-            multipliers[k + 5 * i + active] = nnls(A[active].T, held)[0]
+            multipliers[k + rows.start + active] = nnls(A[active].T, held)[0]
     return Solution(z, multipliers, steps, "", judge(problem, z, multipliers))
 
 

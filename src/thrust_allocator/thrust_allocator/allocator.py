@@ -98,6 +98,20 @@ class Allocator:
             return None
         return self._engine.solution(self._answer)
 
+    @property
+    def answer(self) -> Answer | None:
+        """Tables of the last step, before anything is made of them; None before the first."""
+        return self._answer
+
+    def sub_problems(self) -> list[AllocationProblem]:
+        """Return the sub-problems of all combinations of windows for the last demand; none before the first step.
+
+        See :mod:`sectors.pieces`; the supervisor has chosen the one of ``result.sectors.sub_problem``.
+        """
+        if self._answer is None:
+            return []
+        return self._sectors.problems(self._engine.weights, self._answer.tau)
+
     def apply(self, settings: AllocatorSettings) -> None:
         """Swap the settings whole; they hold from the next step on.
 

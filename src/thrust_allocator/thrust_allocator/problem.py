@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,7 +13,7 @@ from marine_model.guards import FloatArray
 from marine_model.thruster_configuration import polar_configuration
 from thrust_allocator.active_set import IntArray
 from thrust_allocator.phase import LOST, ROTATING
-from thrust_allocator.polygon import CORNERS, ROWS, rotating_rows
+from thrust_allocator.polygon import CORNERS, rotating_rows
 from thrust_allocator.step import set_polygons
 
 # Smallest weight of a slack in the slack form. At 1, first-order solvers stop up to 0.08 N from the optimum along
@@ -112,7 +113,8 @@ class AllocationProblem:
         H = B' (gamma W_v)^2 B + W_u^2,   f = -B' (gamma W_v)^2 tau,   c = tau' (gamma W_v)^2 tau / 2
 
     and the cost (4.20) is twice the objective. Eliminating the fixed directions turns (4.28), (4.30) and (4.34) into
-    bounds on a variable. Bounds come first, then five rows for every rotating thruster, then shared limits:
+    bounds on a variable. Bounds come first, then the rows of every rotating thruster, five unless said otherwise, then
+    shared limits:
 
         b_lower[:k] <= z[:k] <= b_upper[:k],   b_lower[k:] <= A z <= b_upper[k:],   k = number of fixed thrusters
 
@@ -126,9 +128,19 @@ class AllocationProblem:
         Demanded generalized force, shape (3,), N, N, N m.
     coupling
         Limits shared by several thrusters, if any.
+    polygons
+        Corners and their number, shapes (n, c, 2) and (n,), for rotating thrusters whose polygon is another one than
+        that of their plan. They then have a row for every edge.
     """
 
-    def __init__(self, weights: Weights, plans: FloatArray, tau: FloatArray, coupling: Coupling | None = None) -> None:
+    def __init__(
+        self,
+        weights: Weights,
+        plans: FloatArray,
+        tau: FloatArray,
+        coupling: Coupling | None = None,
+        polygons: tuple[FloatArray, IntArray] | None = None,
+    ) -> None:
         self.weights = weights
         self.plans = plans.copy()
         self.tau = tau.copy()
@@ -148,12 +160,13 @@ class AllocationProblem:
         gain = self.B.T * weights.slack
         self.H = gain @ self.B + np.diag(self.variable_weights)
         self.f = -(gain @ self.tau)
-        rows = np.zeros((ROWS * r, m))
-        limits = np.empty(ROWS * r)
-        for i, j in enumerate(rotating):
-            _, lower, upper, azimuth, low, high = plans[j].tolist()
-            at = slice(ROWS * i, ROWS * (i + 1))
-            found = np.array(rotating_rows(azimuth, low, high, lower, upper, weights.zero_region))
+        self._polygons = polygons
+        of_thruster = [self._rows(int(j)) for j in rotating]
+        ends = np.cumsum([0, *map(len, of_thruster)]).tolist()
+        self.rows: tuple[slice, ...] = tuple(slice(a, b) for a, b in itertools.pairwise(ends))
+        rows = np.zeros((ends[-1], m))
+        limits = np.empty(ends[-1])
+        for i, (at, found) in enumerate(zip(self.rows, of_thruster, strict=True)):
             rows[at, k + 2 * i : k + 2 * i + 2] = found[:, :2]
             limits[at] = found[:, 2]
         if coupling is not None:
@@ -182,8 +195,21 @@ class AllocationProblem:
         """Diagonal of W_u^2 over the variables, shape (m,)."""
         return self.weights.thrust[[*self.fixed, *(j for j in self.rotating for _ in range(2))]]
 
+    def _rows(self, j: int) -> FloatArray:
+        """Return the rows (a_x, a_y, b) of rotating thruster ``j``, shape (k, 3)."""
+        if self._polygons is None:
+            _, lower, upper, azimuth, low, high = self.plans[j].tolist()
+            return np.array(rotating_rows(azimuth, low, high, lower, upper, self.weights.zero_region))
+        corners, count = self._polygons
+        corner = corners[j, : count[j]]
+        edge = np.roll(corner, -1, axis=0) - corner
+        outward = np.column_stack((edge[:, 1], -edge[:, 0])) / np.linalg.norm(edge, axis=1)[:, None]
+        return np.column_stack((outward, (outward * corner).sum(axis=1)))
+
     def polygons(self) -> tuple[FloatArray, IntArray]:
-        """Return the corners of what every thruster may give, shape (n, 5, 2), N, and how many, shape (n,)."""
+        """Return the corners of what every thruster may give, shape (n, c, 2), N, and how many, shape (n,)."""
+        if self._polygons is not None:
+            return self._polygons
         n = len(self.plans)
         corners, count = np.zeros((n, CORNERS, 2)), np.zeros(n, dtype=np.int64)
         set_polygons(self.plans, self.weights.zero_region, corners, count)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -9,9 +10,10 @@ import numpy as np
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from thrust_allocator.active_set import IntArray
-from thrust_allocator.phase import Limit
+from thrust_allocator.phase import FIXED, LOST, ROTATING, Limit, Plan
 from thrust_allocator.polar import Command
-from thrust_allocator.sectors.geometry import factor_at, vessel_sectors
+from thrust_allocator.problem import AllocationProblem, Weights
+from thrust_allocator.sectors.geometry import combinations, factor_at, vessel_sectors
 from thrust_allocator.sectors.path import Reach, narrow, nearest_window, reach_table, sector_table
 from thrust_allocator.sectors.pieces import Pieces
 from thrust_allocator.sectors.search import survey
@@ -74,11 +76,6 @@ class SectorControl:
         self._free: IntArray = np.zeros(len(self._thrusters), dtype=np.int64)
         self._far: IntArray = np.zeros(len(self._thrusters), dtype=np.int64)
         self.reset()
-
-    @property
-    def combinations(self) -> int:
-        """Number of sub-problems."""
-        return int(np.prod(self._counts))
 
     def reset(self) -> None:
         """Forget what was chosen."""
@@ -149,11 +146,15 @@ class SectorControl:
             self._far,
         )
         if min(free_cost, far_cost) < np.inf:
-            candidates = (
-                Candidate(tuple(self._free.tolist()), free_cost, Reach.FREE),
-                Candidate(tuple(self._far.tolist()), far_cost, hardest),
-            )
-            state = decide(state, rule, cost, [candidate for candidate in candidates if candidate.cost < np.inf])
+            candidates = [
+                candidate
+                for candidate in (
+                    Candidate(tuple(self._free.tolist()), free_cost, Reach.FREE),
+                    Candidate(tuple(self._far.tolist()), far_cost, hardest),
+                )
+                if candidate.cost < np.inf
+            ]
+            state = decide(state, rule, cost, candidates)
             cost = next((candidate.cost for candidate in candidates if candidate.windows == state.windows), cost)
             self._choose(state)
         self._state = state
@@ -164,6 +165,34 @@ class SectorControl:
                 limits[j, Limit.FACTOR] = factor_at(self._thrusters[j], float(azimuth[j]))
         crossing = tuple((limits[:, Limit.TO_WINDOW] != 0.0).tolist()) if outside else self._none_crossing
         return SectorReport(self._number, state.windows, cost, crossing, solved)
+
+    def problems(self, weights: Weights, tau: FloatArray) -> list[AllocationProblem]:
+        """Return the sub-problems of all combinations as objects, in the order of Table 6.1, as they stand.
+
+        Parameters
+        ----------
+        weights
+            Of the vessel.
+        tau
+            Demanded generalized force, shape (3,).
+        """
+        pieces = self._pieces
+        found = []
+        for windows in combinations(self._thrusters):
+            rows = pieces.first[:-1] + np.array(windows)
+            corners, count = pieces.corners[rows], pieces.count[rows]
+            plans = np.zeros((len(windows), Plan.COLUMNS))
+            for j, size in enumerate(count.tolist()):
+                if size == 2:
+                    # Along its direction, from the lower to the upper limit.
+                    ends = corners[j, 1] - corners[j, 0]
+                    azimuth = math.atan2(ends[1], ends[0])
+                    along = corners[j, :2] @ np.array((math.cos(azimuth), math.sin(azimuth)))
+                    plans[j, : Plan.AZIMUTH + 1] = FIXED, *along, azimuth
+                else:
+                    plans[j, Plan.PHASE] = ROTATING if size > 2 else LOST
+            found.append(AllocationProblem(weights, plans, tau, polygons=(corners, count)))
+        return found
 
     def _choose(self, state: SupervisorState) -> None:
         self._chosen = np.array(state.windows, dtype=np.int64)
