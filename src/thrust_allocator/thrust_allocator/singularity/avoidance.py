@@ -172,6 +172,7 @@ class Avoidance:
         self._kept_for = 0.0
         self._ratio = 0.0
         self._releasing = False
+        self._mean_demand: FloatArray | None = None  # scaled, filtered
         self._leave()
 
     def step(
@@ -346,6 +347,12 @@ class Avoidance:
         grid = now.grid
         if grid is None:  # refused by apply
             return now.azimuth
+        demand = self._scale * now.tau
+        if self._mean_demand is None:
+            self._mean_demand = demand
+        self._mean_demand = self._mean_demand - math.expm1(-now.dt / self._limits.lock_time) * (
+            demand - self._mean_demand
+        )
         if self._route is not None:
             return self._along(now)
         self._waiting = False
@@ -366,7 +373,7 @@ class Avoidance:
             target,
         )
         best, cost = grid.best(now.thrusters, now.azimuth, now.low, now.high, now.tau, now.threshold)
-        if not self._advantage(here, cost) > self._settings.lock_ratio:
+        if not self._advantage(here, cost) > self._settings.switch_ratio:
             self._waited = 0.0
             return target
         weight = self._settings.shortfall_price if may_cross else _CLOSED
@@ -378,7 +385,9 @@ class Avoidance:
         through = route.least_gain < now.threshold * (1.0 - _AT_LIMIT)
         if through and not may_cross:
             return target
-        toll = toll_of(now.thrusters, route, now.tau, self._settings.demand_margin, self._scale)
+        # A demand that is moving will be elsewhere when the thrusters are half way.
+        margin = self._settings.demand_margin + float(np.linalg.norm(demand - self._mean_demand))
+        toll = toll_of(now.thrusters, route, now.tau, margin, self._scale)
         self._toll = toll.excess
         if toll.shortfall > _NONE_MISSING and self._waited < self._settings.patience * toll.excess:
             return target

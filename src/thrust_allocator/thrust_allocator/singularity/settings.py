@@ -22,8 +22,13 @@ class SingularitySettings(Settings):
         unit="s", ge=0.0, le=600.0,
     )  # fmt: skip
     lock_ratio: float = setting(
-        0.3, "Decades of cost by which another configuration must be better", unit="decades", ge=0.01, le=10.0
-    )
+        0.3, "Cost of the third step above the first's from which three_step may be locked", unit="decades",
+        ge=0.01, le=10.0,
+    )  # fmt: skip
+    switch_ratio: float = setting(
+        0.04, "How much better a configuration elsewhere must be for required_gain and crossing to go there",
+        unit="decades", ge=0.001, le=10.0,
+    )  # fmt: skip
     lock_time: float | None = setting(
         None, "How long costs are compared before three_step counts as locked; unset: the vessel's",
         unit="s", ge=0.1, le=3600.0,
