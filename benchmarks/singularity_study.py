@@ -13,7 +13,7 @@ import math
 import sys
 import time
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,7 +30,8 @@ from thrust_allocator.singularity.avoidance import Avoidance, AvoidanceReport
 from thrust_allocator.singularity.scaling import scaled_configuration, scaling_of
 from thrust_allocator.singularity.settings import SingularitySettings
 
-METHODS = ("none", "three_step", "required_gain", "crossing")
+Method = Literal["none", "three_step", "required_gain", "crossing"]
+METHODS: tuple[Method, ...] = ("none", "three_step", "required_gain", "crossing")
 RATE = 0.10 / 0.2  # rad/s, Run K
 SETTLED = 60.0  # s, the integral action has found the current by then
 CHANGES = (60.0, 100.0)  # s
@@ -58,7 +59,7 @@ class Row(NamedTuple):
 class AvoidingAllocator(Allocator):
     """The allocator with avoidance in place of the plain run."""
 
-    def __init__(self, vessel: Vessel, settings: Any, method: str) -> None:
+    def __init__(self, vessel: Vessel, settings: Any, method: Method) -> None:
         super().__init__(vessel, settings)
         self._avoidance = Avoidance(vessel, self._engine, SingularitySettings(method=method))
         self.reports: list[AvoidanceReport] = []
@@ -84,13 +85,13 @@ class AvoidingAllocator(Allocator):
 
 
 class _Loop(ClosedLoop):
-    def __init__(self, vessel: Vessel, scenario: Scenario, method: str) -> None:
+    def __init__(self, vessel: Vessel, scenario: Scenario, method: Method) -> None:
         super().__init__(vessel, scenario)
         self.allocator = AvoidingAllocator(vessel, self._allocator.settings, method)
         self._allocator = self.allocator
 
 
-def sail(vessel: Vessel, method: str, currents: int) -> Row:
+def sail(vessel: Vessel, method: Method, currents: int) -> Row:
     """Return the figures of one method."""
     scaling = scaling_of(vessel)
     limit = vessel.allocator.singularity.gain_limit if vessel.allocator.singularity else math.nan
@@ -132,9 +133,18 @@ def sail(vessel: Vessel, method: str, currents: int) -> Row:
         times += loop.allocator.times
     median, late = (np.median(times), np.percentile(times, 99)) if times else (math.nan, math.nan)
     return Row(
-        method, *worst.tolist(), *off.tolist(), float(np.mean(powers)), float(np.mean(belows)), float(median),
-        float(late),
-    )  # fmt: skip
+        method=method,
+        surge=float(worst[0]),
+        sway=float(worst[1]),
+        yaw=float(worst[2]),
+        off_surge=float(off[0]),
+        off_sway=float(off[1]),
+        off_yaw=float(off[2]),
+        power=float(np.mean(powers)),
+        below=float(np.mean(belows)),
+        step=float(median),
+        step_99=float(late),
+    )
 
 
 def main(arguments: Sequence[str]) -> int:

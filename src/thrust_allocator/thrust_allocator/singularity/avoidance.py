@@ -135,8 +135,14 @@ class Avoidance:
         self._idle = float(engine.weights.thrust @ (_IDLE_SHARE * vessel.thrust_max) ** 2)
         self._key: tuple[bytes, ...] = ()
         self._grid: Grid | None = None
-        self.apply(settings)
+        self._settings = SingularitySettings()
+        self._route: Route | None = None
+        self._no_detour: tuple[FloatArray, FloatArray] | None = None
+        self._progress, self._waited = 0.0, 0.0
+        self._crossing, self._waiting, self._recovering = False, False, False
+        self._toll = math.nan
         self.reset()
+        self.apply(settings)
 
     @property
     def settings(self) -> SingularitySettings:
@@ -161,7 +167,7 @@ class Avoidance:
                     f"found {settings.method} with {turning}"
                 )
             self._limits = limits
-        changed = not hasattr(self, "_settings") or self._settings.method != settings.method
+        changed = self._settings.method != settings.method
         self._settings = settings
         if changed:
             self.reset()
@@ -438,13 +444,9 @@ class Avoidance:
 
     def _leave(self) -> None:
         """Forget all that was under way."""
-        self._route: Route | None = None
-        self._crossing = False
-        self._no_detour: tuple[FloatArray, FloatArray] | None = None
-        self._progress = 0.0
-        self._waited = 0.0
-        self._waiting = False
-        self._recovering = False
+        self._route, self._no_detour = None, None
+        self._progress, self._waited = 0.0, 0.0
+        self._crossing, self._waiting, self._recovering = False, False, False
         self._toll = math.nan
 
 

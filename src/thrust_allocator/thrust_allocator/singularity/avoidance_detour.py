@@ -60,9 +60,7 @@ def find_detour(
     return Route(azimuth, spacing, math.nan, threshold)
 
 
-def _entry(
-    thrusters: Thrusters, grid: Grid, azimuth: FloatArray, threshold: float
-) -> tuple[int, FloatArray]:
+def _entry(thrusters: Thrusters, grid: Grid, azimuth: FloatArray, threshold: float) -> tuple[int, FloatArray]:
     """Return a grid point about ``azimuth`` that can be reached with the gain kept, and the turn to it; -1 if none."""
     turning, points = thrusters.turning, grid.points
     cell = math.pi / points

@@ -1,4 +1,4 @@
-"""The best of all configurations with sufficient gain, by a grid over the angles with a bound that spares most of it."""
+"""The best of all configurations with sufficient gain: a grid over the angles, and a bound that spares most of it."""
 
 from __future__ import annotations
 

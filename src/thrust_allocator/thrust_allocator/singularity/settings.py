@@ -11,7 +11,7 @@ from marine_model.settings import Settings, setting
 
 
 class SingularitySettings(Settings):
-    """Settings of monitor and avoidance. Those that are None are the vessel's, ``allocator.singularity`` of its file."""
+    """Settings of monitor and avoidance. Where one is None, ``allocator.singularity`` of the vessel file holds."""
 
     method: Literal["none", "three_step", "required_gain", "crossing"] = setting(
         "none", "How rotating thrusters are kept from configurations of small gain"
@@ -71,7 +71,8 @@ def limits_of(settings: SingularitySettings, vessel: Vessel) -> SingularityGains
         if value is None:
             if gains is None:
                 raise InputError(
-                    f"singularity.{name}: expected a number here or allocator.singularity in the vessel file, found none"
+                    f"singularity.{name}: expected a number here or allocator.singularity in the vessel "
+                    "file, found none"
                 )
             value = getattr(gains, name)
         if name != "dwell_time" and not value > 0.0:
