@@ -8,27 +8,19 @@ Here a weak current from eight directions sees to that; maxima are over all of t
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import math
 import sys
-import time
 from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 from rich.console import Console
 from rich.table import Table
 
 from dp_tools.in_process import ClosedLoop
 from dp_tools.scenario import Event, Scenario
 from marine_model import Vessel, load_vessel
-from marine_model.guards import FloatArray
-from thrust_allocator import AllocationResult, Allocator
-from thrust_allocator.engine import Answer
-from thrust_allocator.singularity.avoidance import Avoidance, AvoidanceReport
 from thrust_allocator.singularity.scaling import scaled_configuration, scaling_of
-from thrust_allocator.singularity.settings import SingularitySettings
 
 Method = Literal["none", "three_step", "required_gain", "crossing"]
 METHODS: tuple[Method, ...] = ("none", "three_step", "required_gain", "crossing")
@@ -52,43 +44,6 @@ class Row(NamedTuple):
     off_yaw: float  # rad
     power: float  # W, mean, of all shafts
     below: float  # s a run with a gain below the limit
-    step: float  # s, median
-    step_99: float
-
-
-class AvoidingAllocator(Allocator):
-    """The allocator with avoidance in place of the plain run."""
-
-    def __init__(self, vessel: Vessel, settings: Any, method: Method) -> None:
-        super().__init__(vessel, settings)
-        self._avoidance = Avoidance(vessel, self._engine, SingularitySettings(method=method))
-        self.reports: list[AvoidanceReport] = []
-        self.times: list[float] = []
-
-    def step(self, tau_desired: ArrayLike, dt: float) -> AllocationResult:
-        """Allocate; as the base class does, with avoidance."""
-        if self._avoidance.settings.method == "none":
-            return super().step(tau_desired, dt)
-
-        def run(limits: FloatArray, before: FloatArray, multiplier: FloatArray, tau: FloatArray) -> Answer:
-            return self._engine.run(limits, before, multiplier, self._engine.weights.thrust, tau, dt)
-
-        before = self._before
-        tau = np.array(tau_desired, dtype=np.float64)
-        begin = time.perf_counter()
-        answer, report = self._avoidance.step(run, self._limits, before, tau, dt)
-        self.times.append(time.perf_counter() - begin)
-        self.reports.append(report)
-        result = super().step(tau, dt)  # for its bookkeeping; the commands are replaced
-        self._answer, self._before = answer, answer.commands
-        return dataclasses.replace(result, commands=answer.commands, totals=answer.totals)
-
-
-class _Loop(ClosedLoop):
-    def __init__(self, vessel: Vessel, scenario: Scenario, method: Method) -> None:
-        super().__init__(vessel, scenario)
-        self.allocator = AvoidingAllocator(vessel, self._allocator.settings, method)
-        self._allocator = self.allocator
 
 
 def sail(vessel: Vessel, method: Method, currents: int) -> Row:
@@ -96,7 +51,7 @@ def sail(vessel: Vessel, method: Method, currents: int) -> Row:
     scaling = scaling_of(vessel)
     limit = vessel.allocator.singularity.gain_limit if vessel.allocator.singularity else math.nan
     worst, off = np.zeros(3), np.zeros(3)
-    powers, belows, times = [], [], []
+    powers, belows = [], []
     for k in range(currents):
         scenario = Scenario(
             name="run_k_currents",
@@ -110,6 +65,7 @@ def sail(vessel: Vessel, method: Method, currents: int) -> Row:
                 "dp_controller": {"mode": "setpoint"},
                 "thrust_allocator": {
                     "azimuth_mode": "rotating",
+                    "singularity.method": method,
                     "azimuth_rate_scale": [min(RATE / r, 1.0) if r > 0.0 else 1.0 for r in vessel.azimuth_rate],
                 },
             },
@@ -118,8 +74,7 @@ def sail(vessel: Vessel, method: Method, currents: int) -> Row:
                 *(Event(at=at, setpoint=(0.0, -1.0 - i, 0.0)) for i, at in enumerate(CHANGES)),
             ),
         )
-        loop = _Loop(vessel, scenario, method)
-        data = loop.run()
+        data = ClosedLoop(vessel, scenario).run()
         moving = {name: data[name].window(SETTLED, DURATION).values for name in _SIGNALS}
         worst = np.maximum(worst, np.abs(moving["slack"]).max(axis=0))
         error = moving["reference_position"] - moving["truth_position"]
@@ -130,8 +85,6 @@ def sail(vessel: Vessel, method: Method, currents: int) -> Row:
             for azimuth in moving["azimuth_command"]
         ]
         belows.append(float((np.array(gains) < limit * (1.0 - 1e-6)).sum()) * vessel.measurement.sample_time)
-        times += loop.allocator.times
-    median, late = (np.median(times), np.percentile(times, 99)) if times else (math.nan, math.nan)
     return Row(
         method=method,
         surge=float(worst[0]),
@@ -142,8 +95,6 @@ def sail(vessel: Vessel, method: Method, currents: int) -> Row:
         off_yaw=float(off[2]),
         power=float(np.mean(powers)),
         below=float(np.mean(belows)),
-        step=float(median),
-        step_99=float(late),
     )
 
 
@@ -155,8 +106,7 @@ def main(arguments: Sequence[str]) -> int:
     vessel = load_vessel("cybership3")
     table = Table(title=f"1 m to port twice, {given.currents} currents of {CURRENT} m/s")
     for heading in (
-        "method", "surge N", "sway N", "yaw N m", "surge m", "sway m", "yaw deg", "power W", "below s", "step us",
-        "p99 us",
+        "method", "surge N", "sway N", "yaw N m", "surge m", "sway m", "yaw deg", "power W", "below s",
     ):  # fmt: skip
         table.add_column(heading, justify="right")
     for method in METHODS:
@@ -164,7 +114,6 @@ def main(arguments: Sequence[str]) -> int:
         table.add_row(
             method, f"{row.surge:.2f}", f"{row.sway:.2f}", f"{row.yaw:.3f}", f"{row.off_surge:.3f}",
             f"{row.off_sway:.3f}", f"{math.degrees(row.off_yaw):.1f}", f"{row.power:.3f}", f"{row.below:.1f}",
-            f"{1e6 * row.step:.0f}", f"{1e6 * row.step_99:.0f}",
         )  # fmt: skip
     Console(width=140).print(table)
     return 0
