@@ -20,6 +20,7 @@ from thrust_allocator.engine import Answer, Engine
 from thrust_allocator.phase import Limit
 from thrust_allocator.polar import Command
 from thrust_allocator.singularity.avoidance_descent import descend
+from thrust_allocator.singularity.avoidance_detour import find_detour
 from thrust_allocator.singularity.avoidance_route import Route, find_route, toll_of
 from thrust_allocator.singularity.avoidance_search import MOST_TURNING, Grid
 from thrust_allocator.singularity.avoidance_thrusters import Thrusters, gain_at
@@ -39,6 +40,9 @@ _LIMIT_STEP = 0.05
 # reason to turn.
 _IDLE_SHARE = 0.01
 _DESCENT_STEPS = 6
+# Where the best gain that can be reached is below this share of the limit, held thrusters control little in any
+# configuration; rotating ones have two components of thrust each and are left alone.
+_LEAST_USE = 0.5
 # Weight of insufficient gain on a route that must not have any.
 _CLOSED = 1e6
 # Scaled generalized force that counts as none missing.
@@ -51,7 +55,7 @@ class AvoidanceReport(NamedTuple):
     Attributes
     ----------
     method
-        As in the settings; 'none' where no thruster can turn, or those left can control no configuration at all.
+        As in the settings; 'none' where no thruster can turn, or no configuration has half the gain asked for.
     minimum_gain
         Smallest singular value of B_S at the angles commanded, reverse thrust counted.
     minimum_gain_free
@@ -131,8 +135,14 @@ class Avoidance:
         self._idle = float(engine.weights.thrust @ (_IDLE_SHARE * vessel.thrust_max) ** 2)
         self._key: tuple[bytes, ...] = ()
         self._grid: Grid | None = None
-        self.apply(settings)
+        self._settings = SingularitySettings()
+        self._route: Route | None = None
+        self._no_detour: tuple[FloatArray, FloatArray] | None = None
+        self._progress, self._waited = 0.0, 0.0
+        self._crossing, self._waiting, self._recovering = False, False, False
+        self._toll = math.nan
         self.reset()
+        self.apply(settings)
 
     @property
     def settings(self) -> SingularitySettings:
@@ -157,7 +167,7 @@ class Avoidance:
                     f"found {settings.method} with {turning}"
                 )
             self._limits = limits
-        changed = not hasattr(self, "_settings") or self._settings.method != settings.method
+        changed = self._settings.method != settings.method
         self._settings = settings
         if changed:
             self.reset()
@@ -172,6 +182,7 @@ class Avoidance:
         self._kept_for = 0.0
         self._ratio = 0.0
         self._releasing = False
+        self._mean_demand: FloatArray | None = None  # scaled, filtered
         self._leave()
 
     def step(
@@ -230,7 +241,7 @@ class Avoidance:
             locked = self._watch_lock(now, cost, cost_free)
             released = self._releasing
         gain = gain_at(now.thrusters, answer.commands[:, Command.AZIMUTH], np.empty(3))
-        crossing = self._route is not None
+        crossing = self._route is not None and self._crossing
         return answer, AvoidanceReport(
             method,
             gain,
@@ -242,7 +253,7 @@ class Avoidance:
             cost_free,
             cost,
             crossing,
-            self._route.duration - self._progress if self._route is not None else 0.0,
+            self._route.duration - self._progress if self._route is not None and crossing else 0.0,
             self._waited,
             self._toll,
         )
@@ -288,7 +299,7 @@ class Avoidance:
         threshold = self._limits.gain_limit
         if self._grid is not None:
             threshold = min(threshold, self._settings.reduced_share * self._grid.best_gain)
-            if threshold == 0.0:
+            if threshold < _LEAST_USE * self._limits.gain_limit:
                 return None
         return _Turn(thrusters, self._grid, threshold, azimuth, low, high, rate, tau, dt)
 
@@ -346,6 +357,12 @@ class Avoidance:
         grid = now.grid
         if grid is None:  # refused by apply
             return now.azimuth
+        demand = self._scale * now.tau
+        if self._mean_demand is None:
+            self._mean_demand = demand
+        self._mean_demand = self._mean_demand - math.expm1(-now.dt / self._limits.lock_time) * (
+            demand - self._mean_demand
+        )
         if self._route is not None:
             return self._along(now)
         self._waiting = False
@@ -366,30 +383,44 @@ class Avoidance:
             target,
         )
         best, cost = grid.best(now.thrusters, now.azimuth, now.low, now.high, now.tau, now.threshold)
-        if not self._advantage(here, cost) > self._settings.lock_ratio:
+        if not self._advantage(here, cost) > self._settings.switch_ratio:
             self._waited = 0.0
             return target
         weight = self._settings.shortfall_price if may_cross else _CLOSED
         route = find_route(now.thrusters, now.azimuth, best, now.low, now.high, now.rate, now.threshold, weight, now.dt)
         self._waited += (here - cost) * now.dt
         self._waiting = True
+        through = route is None or route.least_gain < now.threshold * (1.0 - _AT_LIMIT)
+        detour = through and not may_cross
+        if detour:
+            free = np.isinf(now.low[now.thrusters.turning]).all() and np.isinf(now.high[now.thrusters.turning]).all()
+            route = self._detour(now, grid, best) if free else None
         if route is None:
             return target
-        through = route.least_gain < now.threshold * (1.0 - _AT_LIMIT)
-        if through and not may_cross:
-            return target
-        toll = toll_of(now.thrusters, route, now.tau, self._settings.demand_margin, self._scale)
+        # A demand that is moving will be elsewhere when the thrusters are half way.
+        margin = self._settings.demand_margin + float(np.linalg.norm(demand - self._mean_demand))
+        toll = toll_of(now.thrusters, route, now.tau, margin, self._scale)
         self._toll = toll.excess
         if toll.shortfall > _NONE_MISSING and self._waited < self._settings.patience * toll.excess:
             return target
         self._waiting = False
         self._waited = 0.0
-        self._route, self._progress = route, 0.0
+        self._route, self._progress, self._crossing = route, 0.0, not detour
         target = self._along(now)
         if not through:
-            # Another demand may turn it round at any point.
+            # Another demand may turn it round at any point. A detour is kept to: from any point of it the way back
+            # may look as good.
             self._route = None
         return target
+
+    def _detour(self, now: _Turn, grid: Grid, best: FloatArray) -> Route | None:
+        """Return a way round; one that was not found is looked for again when the demand or the place is another."""
+        tried = (now.tau.copy(), now.azimuth.copy())
+        if self._no_detour is not None and all(map(np.array_equal, tried, self._no_detour)):
+            return None
+        route = find_detour(now.thrusters, grid, now.azimuth, best, now.rate, now.threshold)
+        self._no_detour = tried if route is None else None
+        return route
 
     def _along(self, now: _Turn) -> FloatArray:
         """Return the next directions of the route; forget it where the rest of it needs no haste."""
@@ -403,17 +434,19 @@ class Avoidance:
         target: FloatArray = route.azimuth[k] + (at - k) * (route.azimuth[following] - route.azimuth[k])
         unused = np.empty(3)
         rest = [target, *route.azimuth[following:]]
-        if all(gain_at(now.thrusters, row, unused) >= now.threshold * (1.0 - _AT_LIMIT) for row in rest):
+        done = self._progress >= route.duration
+        if done or (
+            self._crossing
+            and all(gain_at(now.thrusters, row, unused) >= now.threshold * (1.0 - _AT_LIMIT) for row in rest)
+        ):
             self._route = None
         return target
 
     def _leave(self) -> None:
         """Forget all that was under way."""
-        self._route: Route | None = None
-        self._progress = 0.0
-        self._waited = 0.0
-        self._waiting = False
-        self._recovering = False
+        self._route, self._no_detour = None, None
+        self._progress, self._waited = 0.0, 0.0
+        self._crossing, self._waiting, self._recovering = False, False, False
         self._toll = math.nan
 
 

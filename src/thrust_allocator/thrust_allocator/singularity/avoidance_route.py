@@ -14,7 +14,7 @@ from thrust_allocator.active_set import IntArray
 from thrust_allocator.singularity.avoidance_thrusters import Thrusters, gain_at, static_cost
 
 # Points of the lattice between start and target, at most; longer turns are cut coarser.
-_LARGEST_LATTICE = 12000
+_LARGEST_LATTICE = 1500
 _STILL = 1e-9  # rad
 
 

@@ -1,4 +1,4 @@
-"""The best of all configurations with sufficient gain, by a grid over the angles with a bound that spares most of it."""
+"""The best of all configurations with sufficient gain: a grid over the angles, and a bound that spares most of it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ from thrust_allocator.singularity.avoidance_thrusters import Thrusters, gain_at,
 _POINTS = (1, 48, 36, 18, 10)
 MOST_TURNING = len(_POINTS) - 1
 # Exact costs computed in one search, at most; each may need every way of pointing its thrusters fore or aft.
-_EVALUATIONS = 60
+_EVALUATIONS = 40
+# The same of points in the order of the grid, so that a standing demand has the whole grid searched in time: where
+# thrusters saturate the bound says little.
+_ROLLING = 30
 _POLISH_STEPS = 30
 
 
@@ -50,6 +53,8 @@ class Grid:
         self.best_gain = float(self.gains.max())
         self._sufficient = np.empty(0, dtype=np.int64)
         self._threshold = math.nan
+        self._incumbent = azimuth.copy()
+        self._cursor = 0
 
     def sufficient(self, threshold: float) -> IntArray:
         """Return the indices of points with that gain or more."""
@@ -69,6 +74,9 @@ class Grid:
     ) -> tuple[FloatArray, float]:
         """Return the cheapest configuration with sufficient gain and its cost; infinite where none can be reached.
 
+        The work of one call is limited: points in the order of a lower bound of their cost, some more in the order of
+        the grid, going on where the last call ended, and the best of the last call again.
+
         Parameters
         ----------
         thrusters, tau
@@ -82,11 +90,20 @@ class Grid:
         """
         nodes = self.sufficient(threshold)
         found = azimuth.copy()
-        cost = _best_node(thrusters, azimuth, low, high, self.points, nodes, tau, found)
+        cost = math.inf
+        turns = np.array([math.remainder(t, 2.0 * math.pi) for t in (self._incumbent - azimuth).tolist()])
+        last = azimuth + turns
+        if (turns >= low).all() and (turns <= high).all() and gain_at(thrusters, last, np.empty(3)) >= threshold:
+            found = last
+            cost = static_cost(thrusters, last, tau, np.zeros(3), np.empty(len(last)))
+        cost, self._cursor = _best_node(
+            thrusters, azimuth, low, high, self.points, nodes, tau, found, cost, self._cursor
+        )
         if math.isfinite(cost):
             ahead = np.minimum(np.maximum(azimuth + high - found, 0.0), math.pi)
             astern = np.maximum(np.minimum(azimuth + low - found, 0.0), -math.pi)
             cost = descend(thrusters, tau, threshold, astern, ahead, _POLISH_STEPS, found)
+            self._incumbent = found.copy()
         return found, cost
 
     def nearest(
@@ -228,48 +245,82 @@ def _best_node(
     nodes: IntArray,
     tau: FloatArray,
     found: FloatArray,
-) -> float:
-    """Write the cheapest point and return its cost: points in the order of their bounds, until no bound is lower."""
-    turning = thrusters.turning
+    best: float,
+    cursor: int,
+) -> tuple[float, int]:
+    """Write the cheapest point if it is cheaper than ``best``; return its cost, and where to go on next time."""
     bounds = np.empty(len(nodes))
     _bounds(thrusters, azimuth, points, nodes, tau, bounds)
-    at, trial = azimuth.copy(), azimuth.copy()
-    multiplier, thrust = np.zeros(3), np.empty(len(azimuth))
-    best = math.inf
-    evaluations = 0
-    while evaluations < _EVALUATIONS:
+    # The work arrays of `_cheapest_way_round`.
+    at, trial, thrust, multiplier = azimuth.copy(), azimuth.copy(), np.empty(len(azimuth)), np.zeros(3)
+    for _ in range(_EVALUATIONS):
         k = -1
         least = best
         for i in range(len(nodes)):
             if bounds[i] < least:
                 k, least = i, bounds[i]
         if k < 0:
-            break
+            return best, cursor
         bounds[k] = math.inf
-        evaluations += 1
-        _angles_of(nodes[k], points, turning, at)
-        # Nearest representation first. If no limit is met there, the other ones cost the same.
-        for flips in range(1 << len(turning)):
-            allowed = True
-            for i in range(len(turning)):
-                j = turning[i]
-                turn = _nearer(at[j] - azimuth[j], low[j], high[j])
-                if (flips >> i) & 1:
-                    other = turn - math.pi if turn > 0.0 else turn + math.pi
-                    if not low[j] <= other <= high[j]:
-                        other = turn + math.pi if turn > 0.0 else turn - math.pi
-                    turn = other if low[j] <= other <= high[j] else math.nan
-                if math.isnan(turn):
-                    allowed = False
-                    break
-                trial[j] = azimuth[j] + turn
-            if not allowed:
-                continue
-            multiplier[:] = 0.0
-            cost = static_cost(thrusters, trial, tau, multiplier, thrust)
-            if cost < best * (1.0 - 1e-9):
-                best = cost
-                found[:] = trial
-            if cost <= least * (1.0 + 1e-6):
+        _angles_of(nodes[k], points, thrusters.turning, at)
+        best = _cheapest_way_round(
+            thrusters, azimuth, low, high, tau, least, at, trial, thrust, multiplier, found, best
+        )
+    left = _ROLLING
+    for i in range(len(nodes)):
+        k = (cursor + i) % len(nodes)
+        if bounds[k] < best:
+            _angles_of(nodes[k], points, thrusters.turning, at)
+            best = _cheapest_way_round(
+                thrusters, azimuth, low, high, tau, bounds[k], at, trial, thrust, multiplier, found, best
+            )
+            left -= 1
+            if left == 0:
+                return best, k + 1
+    return best, cursor
+
+
+@compiled
+def _cheapest_way_round(
+    thrusters: Thrusters,
+    azimuth: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    tau: FloatArray,
+    bound: float,
+    at: FloatArray,
+    trial: FloatArray,
+    thrust: FloatArray,
+    multiplier: FloatArray,
+    found: FloatArray,
+    best: float,
+) -> float:
+    """Try a point with every thruster this way round and that; write the cheapest if below ``best``, return its cost.
+
+    The nearest comes first. If it costs no more than the bound, no limit is met, and the other ones cost the same.
+    """
+    turning = thrusters.turning
+    for flips in range(1 << len(turning)):
+        allowed = True
+        for i in range(len(turning)):
+            j = turning[i]
+            turn = _nearer(at[j] - azimuth[j], low[j], high[j])
+            if (flips >> i) & 1:
+                other = turn - math.pi if turn > 0.0 else turn + math.pi
+                if not low[j] <= other <= high[j]:
+                    other = turn + math.pi if turn > 0.0 else turn - math.pi
+                turn = other if low[j] <= other <= high[j] else math.nan
+            if math.isnan(turn):
+                allowed = False
                 break
+            trial[j] = azimuth[j] + turn
+        if not allowed:
+            continue
+        multiplier[:] = 0.0
+        cost = static_cost(thrusters, trial, tau, multiplier, thrust)
+        if cost < best * (1.0 - 1e-9):
+            best = cost
+            found[:] = trial
+        if cost <= bound * (1.0 + 1e-6):
+            break
     return best

@@ -1,4 +1,4 @@
-"""Gain and least cost of thrusters held at given angles, as singularity avoidance needs them hundreds of times a step."""
+"""Gain and least cost of thrusters at given angles, as singularity avoidance needs them hundreds of times a step."""
 
 from __future__ import annotations
 

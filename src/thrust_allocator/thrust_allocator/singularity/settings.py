@@ -11,7 +11,7 @@ from marine_model.settings import Settings, setting
 
 
 class SingularitySettings(Settings):
-    """Settings of monitor and avoidance. Those that are None are the vessel's, ``allocator.singularity`` of its file."""
+    """Settings of monitor and avoidance. Where one is None, ``allocator.singularity`` of the vessel file holds."""
 
     method: Literal["none", "three_step", "required_gain", "crossing"] = setting(
         "none", "How rotating thrusters are kept from configurations of small gain"
@@ -22,8 +22,13 @@ class SingularitySettings(Settings):
         unit="s", ge=0.0, le=600.0,
     )  # fmt: skip
     lock_ratio: float = setting(
-        0.3, "Decades of cost by which another configuration must be better", unit="decades", ge=0.01, le=10.0
-    )
+        0.3, "Cost of the third step above the first's from which three_step may be locked", unit="decades",
+        ge=0.01, le=10.0,
+    )  # fmt: skip
+    switch_ratio: float = setting(
+        0.04, "How much better a configuration elsewhere must be for required_gain and crossing to go there",
+        unit="decades", ge=0.001, le=10.0,
+    )  # fmt: skip
     lock_time: float | None = setting(
         None, "How long costs are compared before three_step counts as locked; unset: the vessel's",
         unit="s", ge=0.1, le=3600.0,
@@ -66,7 +71,8 @@ def limits_of(settings: SingularitySettings, vessel: Vessel) -> SingularityGains
         if value is None:
             if gains is None:
                 raise InputError(
-                    f"singularity.{name}: expected a number here or allocator.singularity in the vessel file, found none"
+                    f"singularity.{name}: expected a number here or allocator.singularity in the vessel "
+                    "file, found none"
                 )
             value = getattr(gains, name)
         if name != "dwell_time" and not value > 0.0:
