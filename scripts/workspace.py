@@ -33,7 +33,7 @@ DEFAULT_INDEX = "https://pypi.org/simple"
 LOCKED_GROUPS = ("runtime", "ros", "build", "test", "lint")
 OLDEST_PYTHON = (3, 11)
 NEWEST_PYTHON = (3, 12)
-# Packages with inner loops that are compiled, by `python -m thrust_allocator.machine_code`.
+# Packages with inner loops that are compiled, by `python -m dp_tools.machine_code`.
 COMPILED = ("src/thrust_allocator/thrust_allocator", "src/marine_model/marine_model")
 INSTALL_FAILED = "could not install the pinned packages (network lost, or disk full?)"
 
@@ -485,7 +485,7 @@ class Workspace:
         """Numba would do it at first use, which a running node has no time for."""
         with self._step("machine code of the inner loops"):
             self._run(
-                [str(self.venv_python), "-m", "thrust_allocator.machine_code"],
+                [str(self.venv_python), "-m", "dp_tools.machine_code"],
                 "could not compile the inner loops",
                 show=re.compile(r"^compiled: "),
             )

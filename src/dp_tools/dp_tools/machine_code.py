@@ -1,4 +1,4 @@
-"""Compiles the inner loops ahead of their first use: ``python3 -m thrust_allocator.machine_code``.
+"""Compiles the inner loops ahead of their first use: ``python3 -m dp_tools.machine_code``.
 
 Without it the first allocator on a machine compiles them when it is made, which takes half a minute. The machine code
 stays beside the modules, or in the user's cache folder where those cannot be written.
@@ -84,7 +84,7 @@ def main() -> None:
 
 
 def _tell(part: str) -> None:
-    print(f"compiled: {part}", flush=True)  # noqa: T201 - a program's progress
+    print(f"compiled: {part}", flush=True)
 
 
 if __name__ == "__main__":
