@@ -42,6 +42,6 @@ def test_a_second_graph_of_the_same_name_is_refused(tmp_path: Path) -> None:
         first.wait_until(lambda: "Ctrl-C stops" in first.output, "the graph to run")
         code, output = dp("up", "--composed", "--record", "--output", tmp_path / "second")
         assert code == 1
-        assert "namespace /: expected no graph, found dp_controller, dp_observer, thrust_allocator" in output
+        assert "namespace /: expected no graph, found one that another dp up runs" in output
         assert first.running
     assert not (tmp_path / "second" / "bag").exists()

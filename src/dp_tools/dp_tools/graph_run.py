@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dp_tools.conductor import Conductor
+from dp_tools.graph_lock import graph_lock
 from dp_tools.graph_nodes import NODES, START_SECONDS, is_there, present, unheard, wait_until_active
 from dp_tools.interrupts import Interrupts
 from dp_tools.operator_node import Operator, operator
@@ -83,6 +84,21 @@ class GraphRun:
         KeyboardInterrupt
             On SIGINT, SIGTERM or SIGHUP; everything is stopped first.
         """
+        domain = os.environ.get("ROS_DOMAIN_ID", "0")
+        with graph_lock(domain, self.namespace) as free:
+            if not free:
+                raise GraphRunningError(
+                    f"ROS domain {domain}, namespace /{self.namespace.strip('/')}: expected no graph, found one that "
+                    "another dp up runs; stop it, or choose another --namespace or ROS_DOMAIN_ID"
+                )
+            self._sail(say, progress, arrived)
+
+    def _sail(
+        self,
+        say: Callable[[str], None],
+        progress: Callable[[float], None],
+        arrived: Callable[[Sequence[Child]], None],
+    ) -> None:
         children = Children(self.folder.logs)
         recorders: list[Child] = []
         problems: list[str] = []
