@@ -1,6 +1,6 @@
 """The table of parameters of a documentation page, written from the settings class.
 
-    python tests/support/parameter_table.py    # writes it anew
+python tests/support/parameter_table.py    # writes it anew
 """
 
 from __future__ import annotations
