@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback
 from geometry_msgs.msg import WrenchStamped
-from std_msgs.msg import Header
 
 from dp_node import Health, RingNode, StampSequence, run_node, to_nanoseconds
 from marine_model import Vessel
@@ -54,7 +53,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._core = Allocator(self.vessel, self.settings)
         # What is told of an answer is machine code too, and none of it is to be compiled while a demand waits.
         rehearsal = Allocator(self.vessel, self.settings).step(np.zeros(3), self.vessel.measurement.sample_time)
-        self._status_message(Header(), rehearsal)
+        self._status_message(AllocationStatus().header, rehearsal)
         self._names = list(self.vessel.thruster_names)
         self._azimuth: Any = None
         self._command = self.publish_on(ThrusterCommand, "thruster_command")
