@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback
 from geometry_msgs.msg import WrenchStamped
+from rcl_interfaces.msg import ParameterType
 
 from dp_node import from_nanoseconds, to_nanoseconds
 from marine_model import load_vessel
 from marine_model.errors import InputError
+from marine_model.settings import parameters_of, with_parameters
 from support.node_bench import NodeBench, node_bench
-from thrust_allocator import Allocator, AllocatorSettings
+from thrust_allocator import AllocationResult, Allocator, AllocatorSettings
 from thrust_allocator.node import AllocatorNode
 
 pytestmark = pytest.mark.usefixtures("ros_domain_id")
@@ -138,13 +142,32 @@ def test_parameters_act_from_the_next_demand(start: Any) -> None:
         ({"thruster_enabled": [True, False]}, "thruster_enabled: expected 4 elements"),
         ({"azimuth_mode": "rotating", "solver": "magic"}, "solver: expected one of active_set, daqp, "),
         ({"initial_azimuth": "feedback"}, "read-only"),
+        ({"azimuth_mode": "rotating", "cost": "cubic"}, "cost: Input should be 'quadratic' or 'power_3_2'"),
+        (
+            {"azimuth_mode": "rotating", "power__limit": "bus", "power__bus_limit": [4.0]},
+            "power.bus_limit: expected 2 elements, one a bus of the vessel file, found 1",
+        ),
+        ({"azimuth_mode": "rotating", "power__bus_limit": [-1.0, 4.0]}, "power.bus_limit.0"),
+        ({"azimuth_mode": "rotating", "power__available": -1.0}, "out of range"),
+        (
+            {"azimuth_mode": "rotating", "auto__hysteresis": 1.5},
+            "auto.hysteresis: expected less than auto.force_limit, or the thrusters are never held again, "
+            "found 1.5 and 1.5",
+        ),
+        ({"azimuth_mode": "rotating", "singularity__method": "luck"}, "singularity.method: Input should be 'none'"),
+        ({"azimuth_mode": "rotating", "singularity__gain_limit": -0.5}, "singularity.gain_limit"),
+        ({"azimuth_mode": "rotating", "azimuth_rate_scale": [1.0, 1.0, 2.0, 1.0]}, "azimuth_rate_scale.2"),
+        ({"azimuth_mode": "rotating", "sectors__dwell_time": math.nan}, "out of range"),
+        ({"azimuth_mode": "rotating", "feather_time": math.inf}, "out of range"),
     ],
 )
 def test_bad_parameters_are_refused_whole(start: Any, values: dict[str, Any], reason: str) -> None:
     bench = start()
+    before = bench.bench.node.settings
     answer = bench.bench.set_parameters(**values)
     assert not answer.successful
     assert reason in answer.reason
+    assert bench.bench.node.settings == before
     status = bench.ask(START)[2]
     assert (status.azimuth_mode, status.solver, status.status) == ("fixed", "active_set", "optimal")
 
@@ -244,3 +267,329 @@ def test_activated_again_it_starts_without_thrust_where_the_thrusters_point(star
     result = expected.step(TAU, 0.2)
     np.testing.assert_array_equal(again.thrust, result.thrust)
     np.testing.assert_allclose(again.azimuth, result.azimuth, atol=1e-15)
+
+
+# One group of parameters after the other: changes at demand 2, and at demand 4 where there are two.
+CHANGES: dict[str, tuple[dict[str, Any], ...]] = {
+    "failures": ({"thruster_enabled": [True, True, False, True], "azimuth_enabled": [True, False, True, True]},),
+    "weakness": ({"thrust_limit_scale": [1.0, 0.3, 0.3, 0.3]},),
+    "slow": ({"azimuth_rate_scale": [1.0, 0.5, 0.5, 0.0]},),
+    "feathering": (
+        {"thruster_enabled": [True, True, False, True], "feather_time": 2.0},
+        {"thruster_enabled": [True, True, True, True]},
+    ),
+    "auto": ({"azimuth_mode": "auto", "auto.force_limit": 100.0, "auto.dwell_time": 0.2},),
+    "cost": ({"cost": "power_3_2", "thrust_weight": "propeller"},),
+    "over-demand": ({"over_demand": "proportional", "thrust_limit_scale": [0.2, 0.2, 0.2, 0.2]},),
+    "sectors": ({"sectors.enabled": True, "sectors.hysteresis": 0.0, "sectors.dwell_time": 0.5},),
+    "total power": ({"power.limit": "total", "power.available": 1.0, "power.measured": False},),
+    "equal shares": ({"power.limit": "total", "power.available": 1.0, "power.priority": "equal"},),
+    "bus power": ({"power.limit": "bus", "power.bus_limit": [0.3, 0.3], "power.measured": False},),
+    "singularity": ({"singularity.method": "three_step", "singularity.gain_limit": 1.0},),
+    "solver": ({"solver": "daqp"},),
+}
+HARD = (7.0, -3.0, 2.0)
+
+
+@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES.keys())
+def test_every_group_changes_live_and_acts_from_the_next_demand(
+    start: Any, changes: tuple[dict[str, Any], ...]
+) -> None:
+    """Command and status are those of a core that is told the same between the same two steps, and of no other."""
+    bench, settings = start(azimuth_mode="rotating"), AllocatorSettings.for_vessel(VESSEL, azimuth_mode="rotating")
+    expected, unchanged = Allocator(VESSEL, settings), Allocator(VESSEL, settings)
+    differs = False
+    for k in range(8):
+        if k in (2, 4) and k // 2 <= len(changes):
+            change = changes[k // 2 - 1]
+            assert bench.bench.set_parameters(**{name.replace(".", "__"): v for name, v in change.items()}).successful
+            settings = with_parameters(settings, change)
+            expected.apply(settings)
+        assert bench.bench.node.settings == settings
+        command, _, status = bench.ask(START + k * STEP, HARD)
+        result, other = expected.step(HARD, 0.2), unchanged.step(HARD, 0.2)
+        np.testing.assert_array_equal(command.thrust, result.thrust)
+        np.testing.assert_array_equal(command.azimuth, result.azimuth)
+        assert_tells(status, result)
+        same = np.array_equal(result.thrust, other.thrust) and np.array_equal(result.azimuth, other.azimuth)
+        assert same or k >= 2
+        differs = differs or not same or status.solver != other.solver
+    assert differs
+
+
+def assert_tells(status: Any, result: AllocationResult) -> None:
+    """Every field of the message is what the result says."""
+    gains, margin, power, sectors, avoidance = (
+        result.gains,
+        result.margin,
+        result.power,
+        result.sectors,
+        result.avoidance,
+    )
+    expected: dict[str, Any] = {
+        "status": result.status.value,
+        "azimuth_mode": result.azimuth_mode,
+        "solver": result.solver,
+        "cost": result.cost,
+        "slack": result.slack,
+        "demanded_power": result.demanded_power,
+        "commanded_power": result.commanded_power,
+        "power_stage": "" if power is None else power.stage.name.lower(),
+        "bus_power": [] if power is None else power.bus,
+        "bus_limited": [] if power is None else power.bus_limited,
+        "rotating": result.rotating,
+        "thrust_saturated": result.thrust_saturated,
+        "azimuth_saturated": result.azimuth_saturated,
+        "sub_problem": 0 if sectors is None else sectors.sub_problem,
+        "crossing": [] if sectors is None else sectors.crossing,
+        "margin": margin.fixed,
+        "margin_turned": margin.turning,
+        "minimum_gain": gains.global_gain,
+        "minimum_gain_local": gains.local_gain,
+        "minimum_gain_horizon": gains.horizon_gain,
+        "minimum_gain_both_ways": result.gain_both_ways.gain,
+        "weakest_direction": gains.direction,
+        "weakest_azimuth": gains.projection_angle,
+        "weakest_length": gains.projection_length,
+        "singularity_method": "none" if avoidance is None else avoidance.method,
+        "gain_limit": math.nan if avoidance is None else avoidance.threshold,
+        "minimum_gain_free": math.nan if avoidance is None else avoidance.minimum_gain_free,
+        "cost_free": math.nan if avoidance is None else avoidance.cost_free,
+        "waiting": False if avoidance is None else avoidance.waiting,
+        "locked": False if avoidance is None else avoidance.locked,
+        "released": False if avoidance is None else avoidance.released,
+        "gain_crossing": False if avoidance is None else avoidance.crossing,
+    }
+    assert {"header", *expected} == set(status.get_fields_and_field_types())
+    for name, value in expected.items():
+        np.testing.assert_array_equal(getattr(status, name), value, err_msg=name)
+
+
+def test_sectors_are_told_window_and_way(start: Any) -> None:
+    """From straight to starboard, where a thruster may point, to another window through the forbidden sector ahead."""
+    bench = start(azimuth_mode="rotating", sectors__enabled=True)
+    settings = with_parameters(
+        AllocatorSettings.for_vessel(VESSEL), {"azimuth_mode": "rotating", "sectors.enabled": True}
+    )
+    expected, crossed, numbers = Allocator(VESSEL, settings), False, set()
+    for k in range(30):
+        tau = (8.0, -4.0, 2.0) if k < 15 else (-8.0, 4.0, -2.0)
+        status = bench.ask(START + k * STEP, tau)[2]
+        assert_tells(status, expected.step(tau, 0.2))
+        crossed = crossed or any(status.crossing)
+        numbers.add(status.sub_problem)
+    assert crossed
+    assert len(numbers) >= 2
+    assert min(numbers) >= 1
+    health = bench.bench.diagnostics()
+    assert health["sub_problem"] == str(status.sub_problem)
+
+
+def test_all_gains_are_told_when_asked_for(start: Any) -> None:
+    bench = start(azimuth_mode="rotating", singularity__method="three_step", singularity__monitor="all")
+    changes = {"azimuth_mode": "rotating", "singularity.method": "three_step", "singularity.monitor": "all"}
+    expected = Allocator(VESSEL, with_parameters(AllocatorSettings.for_vessel(VESSEL), changes))
+    for k in range(12):
+        status = bench.ask(START + k * STEP, (6.0, 0.0, 0.0))[2]
+        assert_tells(status, expected.step((6.0, 0.0, 0.0), 0.2))
+    # The vessel's limit, and reason to wait: surge alone turns all thrusters ahead, where sway is weak.
+    assert status.gain_limit == VESSEL.allocator.singularity.gain_limit
+    assert status.waiting
+    assert status.minimum_gain_free < status.gain_limit < status.minimum_gain_both_ways
+    for gain in (status.minimum_gain, status.minimum_gain_local, status.minimum_gain_horizon):
+        assert math.isfinite(gain)
+
+
+def power_feedback(stamp: int, power: list[float], names: list[str] = NAMES) -> ThrusterFeedback:
+    message = ThrusterFeedback(name=names, power=power)
+    message.header.stamp = from_nanoseconds(stamp)
+    return message
+
+
+POWER = {"power.limit": "total", "power.available": 2.0}
+TICK = round(VESSEL.simulation.time_step * 1e9)
+
+
+def test_measured_power_corrects_the_prediction(start: Any) -> None:
+    """The newest one before the demand, in any order of names; that of a lost thruster does not count."""
+    lost = [True, True, True, False]
+    bench = start(azimuth_mode="rotating", power__limit="total", power__available=2.0, thruster_enabled=lost)
+    feedback = bench.bench.publisher(ThrusterFeedback, "thruster_feedback")
+    changes = {"azimuth_mode": "rotating", "thruster_enabled": lost, **POWER}
+    expected = Allocator(VESSEL, with_parameters(AllocatorSettings.for_vessel(VESSEL), changes))
+    bench.ask(START, HARD)
+    expected.step(HARD, 0.2)
+    feedback.publish(power_feedback(START + STEP - 2 * TICK, [9.0, 9.0, 9.0, 9.0]))
+    feedback.publish(power_feedback(START + STEP - TICK, [50.0, 1.6, 0.7, 0.1], NAMES[::-1]))
+    feedback.publish(power_feedback(START + STEP, [9.0, 9.0, 9.0, 9.0]))  # not before the demand
+    bench.bench.wait_until(lambda: len(bench.bench.node._powers) == 3, "three feedbacks")
+    status = bench.ask(START + STEP, HARD)[2]
+    expected.measure_power(0.1 + 0.7 + 1.6)
+    result = expected.step(HARD, 0.2)
+    assert result.power is not None
+    assert result.power.correction != 1.0
+    assert_tells(status, result)
+    assert status.power_stage != "within"
+    assert status.commanded_power <= 2.0 * (1.0 + 1e-12)  # rounding of a sum
+    health = bench.bench.diagnostics()
+    assert float(health["power_correction"]) == pytest.approx(result.power.correction, rel=1e-5)
+    assert health["level"] == 1
+    assert f"power limited ({status.power_stage})" in health["message"]
+
+
+def test_lockstep_waits_for_the_power_before_a_demand_and_for_no_other(start: Any) -> None:
+    bench = start(azimuth_mode="rotating", synchronous=True, power__limit="total", power__available=2.0)
+    feedback = bench.bench.publisher(ThrusterFeedback, "thruster_feedback")
+    expected = Allocator(
+        VESSEL, with_parameters(AllocatorSettings.for_vessel(VESSEL), {"azimuth_mode": "rotating", **POWER})
+    )
+    assert_tells(bench.ask(START, HARD)[2], expected.step(HARD, 0.2))  # nothing has been measured before the first
+    bench.send(START + STEP, HARD)
+    bench.bench.wait_until(lambda: bench.bench.node._held is not None, "the demand to be held")
+    health = bench.bench.diagnostics()
+    assert health["level"] == 1
+    assert health["message"].startswith("tau_desired waits for the power of thruster_feedback; power limited (")
+    feedback.publish(power_feedback(START + STEP - 2 * TICK, [0.1, 1.0, 0.5, 0.5]))
+    bench.bench.wait_until(lambda: len(bench.bench.node._powers) == 1, "the feedback before the one that counts")
+    assert len(bench.commands) == 1
+    feedback.publish(power_feedback(START + STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
+    bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
+    expected.measure_power(0.1 + 1.2 + 0.6 + 0.7)
+    assert_tells(bench.statuses[-1], expected.step(HARD, 0.2))
+    # Here already: no wait.
+    feedback.publish(power_feedback(START + 2 * STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
+    bench.bench.wait_until(lambda: len(bench.bench.node._powers) == 3, "the next feedback")
+    expected.measure_power(0.1 + 1.2 + 0.6 + 0.7)
+    assert_tells(bench.ask(START + 2 * STEP, HARD)[2], expected.step(HARD, 0.2))
+
+
+def test_lockstep_waits_for_power_from_the_demand_after_it_was_asked_for(start: Any) -> None:
+    """Switched on while running: answers do not depend on how long the node takes to be heard of."""
+    bench = start(azimuth_mode="rotating", synchronous=True)
+    settings = AllocatorSettings.for_vessel(VESSEL, azimuth_mode="rotating")
+    expected = Allocator(VESSEL, settings)
+    assert_tells(bench.ask(START, HARD)[2], expected.step(HARD, 0.2))  # without a limit nobody listens
+    assert bench.bench.node.count_subscribers("thruster_feedback") == 0
+    assert bench.bench.set_parameters(power__limit="total", power__available=2.0).successful
+    expected.apply(with_parameters(settings, POWER))
+    bench.send(START + STEP, HARD)
+    bench.bench.wait_until(lambda: bench.bench.node._held is not None, "the demand to be held")
+    feedback = bench.bench.publisher(ThrusterFeedback, "thruster_feedback")
+    feedback.publish(power_feedback(START + STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
+    bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
+    expected.measure_power(0.1 + 1.2 + 0.6 + 0.7)
+    assert_tells(bench.statuses[-1], expected.step(HARD, 0.2))
+
+
+def test_a_demand_that_waits_is_answered_once_power_does_not_matter(start: Any) -> None:
+    bench = start(synchronous=True, power__limit="total", power__available=2.0)
+    bench.ask(START)
+    bench.send(START + STEP)
+    bench.bench.wait_until(lambda: bench.bench.node._held is not None, "the demand to be held")
+    assert bench.bench.set_parameters(power__measured=False).successful
+    bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
+    assert to_nanoseconds(bench.statuses[-1].header.stamp) == START + STEP
+    bench.ask(START + 2 * STEP)
+
+
+@pytest.mark.parametrize(
+    ("names", "power", "reason"),
+    [
+        (NAMES, [1.0, math.nan, 1.0, 1.0], "thruster_feedback: power: expected finite numbers"),
+        (NAMES, [1.0, 1.0], "thruster_feedback: power: expected shape (4,), found (2,)"),
+        ([*NAMES[:3], "rudder"], [1.0] * 4, "thruster_feedback: expected the thrusters"),
+        (NAMES[:2], [1.0] * 4, "thruster_feedback: expected the thrusters"),
+        ([*NAMES, NAMES[0]], [1.0] * 4, "thruster_feedback: expected the thrusters"),
+    ],
+)
+def test_bad_feedback_is_refused_and_the_ring_goes_on(
+    start: Any, names: list[str], power: list[float], reason: str
+) -> None:
+    """Without a measurement the demand is answered from the prediction."""
+    bench = start(azimuth_mode="rotating", synchronous=True, power__limit="total", power__available=2.0)
+    feedback = bench.bench.publisher(ThrusterFeedback, "thruster_feedback")
+    expected = Allocator(
+        VESSEL, with_parameters(AllocatorSettings.for_vessel(VESSEL), {"azimuth_mode": "rotating", **POWER})
+    )
+    bench.ask(START, HARD)
+    expected.step(HARD, 0.2)
+    bench.send(START + STEP, HARD)
+    feedback.publish(power_feedback(START + STEP - TICK, power, names))
+    assert reason in bench.refused(1)
+    bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer all the same")
+    assert_tells(bench.statuses[-1], expected.step(HARD, 0.2))
+    feedback.publish(power_feedback(START + 2 * STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
+    status = bench.ask(START + 2 * STEP, HARD)[2]
+    expected.measure_power(0.1 + 1.2 + 0.6 + 0.7)
+    assert_tells(status, expected.step(HARD, 0.2))
+
+
+def test_every_parameter_describes_itself_with_unit_and_range(start: Any) -> None:
+    bench = start()
+    values = parameters_of(bench.bench.node.settings)
+    double, array = ParameterType.PARAMETER_DOUBLE, ParameterType.PARAMETER_DOUBLE_ARRAY
+    for name, told in zip(values, bench.bench.describe_parameters(list(values)), strict=True):
+        model: Any = AllocatorSettings
+        *groups, leaf = name.split(".")
+        for group in groups:
+            model = model.model_fields[group].annotation
+        field = model.model_fields[leaf]
+        assert told.name == name
+        assert not told.read_only
+        assert told.description.startswith(field.description)
+        assert len(field.description) > 15, name
+        unit = field.json_schema_extra["unit"]
+        assert (f"[{unit}]" in told.description) == bool(unit), name
+        if told.type == double:
+            (range_,) = told.floating_point_range
+            low = next(m.ge for m in field.metadata if hasattr(m, "ge"))
+            high = next((m.le for m in field.metadata if hasattr(m, "le")), sys.float_info.max)
+            assert (range_.from_value, range_.to_value) == (low, high), name
+        elif told.type == ParameterType.PARAMETER_STRING and name != "solver":
+            assert "one of: " in told.description, name
+        else:
+            assert (
+                told.type in (array, ParameterType.PARAMETER_BOOL_ARRAY, ParameterType.PARAMETER_BOOL)
+                or name == "solver"
+            )
+
+
+def test_parameters_set_one_by_one_are_judged_each_for_itself(start: Any) -> None:
+    bench = start()
+    good, bad = bench.bench.set_one_by_one(azimuth_mode="rotating", auto__hysteresis=5.0)
+    assert good.successful
+    assert not bad.successful
+    assert "auto.hysteresis: expected less than auto.force_limit" in bad.reason
+    assert bench.ask(START)[2].azimuth_mode == "rotating"
+
+
+def test_sectors_are_refused_on_a_vessel_without(start: Any, tmp_path: Path) -> None:
+    names = [name for name, turns in zip(NAMES, VESSEL.can_rotate, strict=True) if turns]
+    rows = "".join(f"  - {{name: {name}, azimuth: {{sectors: []}}}}\n" for name in names)
+    path = tmp_path / "open.yaml"
+    path.write_text(f"extends: cybership3\nname: open\nthrusters:\n{rows}", encoding="utf-8")
+    bench = start(vessel=str(path))
+    answer = bench.bench.set_parameters(azimuth_mode="rotating", sectors__enabled=True)
+    assert not answer.successful
+    assert answer.reason == "sectors.enabled: expected a vessel with sectors, found none in 'open'"
+    assert bench.ask(START)[2].azimuth_mode == "fixed"
+
+
+def test_the_limit_of_gain_may_be_replaced(start: Any) -> None:
+    """The vessel's stands at first; the status says which is in force."""
+    bench = start(azimuth_mode="rotating", singularity__method="three_step", singularity__gain_limit=0.7)
+    assert bench.ask(START)[2].gain_limit == 0.7
+    assert bench.bench.set_parameters(singularity__gain_limit=0.3).successful
+    assert bench.ask(START + STEP)[2].gain_limit == 0.3
+    answer = bench.bench.set_parameters(singularity__gain_limit=11.0)
+    assert not answer.successful
+    assert bench.ask(START + 2 * STEP)[2].gain_limit == 0.3
+
+
+def test_demands_out_of_reach_are_a_warning_with_the_share_that_is(start: Any) -> None:
+    bench = start(azimuth_mode="rotating")
+    status = bench.ask(START, (60.0, 0.0, 0.0))[2]
+    assert status.margin_turned < 1.0
+    health = bench.bench.diagnostics()
+    assert health["level"] == 1
+    assert health["message"] == f"demand out of reach: {status.margin_turned:.3g} of it is attainable"

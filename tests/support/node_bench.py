@@ -8,8 +8,8 @@ from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from rcl_interfaces.msg import SetParametersResult
-from rcl_interfaces.srv import SetParametersAtomically
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rcl_interfaces.srv import DescribeParameters, SetParameters, SetParametersAtomically
 from rclpy.parameter import Parameter
 
 from dp_node import RING, RING_PUBLISHER, DpNode, RingExecutor
@@ -53,16 +53,27 @@ class NodeBench:
         return messages
 
     def set_parameters(self, **values: Any) -> SetParametersResult:
-        """Set parameters through the node's service; two underscores stand for the dot of a group."""
-        client = self.probe.create_client(SetParametersAtomically, f"{self.node.get_name()}/set_parameters_atomically")
-        self.wait_until(client.service_is_ready, "the parameter service")
-        parameters = [Parameter(name.replace("__", "."), value=value) for name, value in values.items()]
-        future = client.call_async(
-            SetParametersAtomically.Request(parameters=[p.to_parameter_msg() for p in parameters])
-        )
-        self.wait_until(future.done, "an answer of the parameter service")
+        """Set parameters together through the node's service; two underscores stand for the dot of a group."""
+        request = SetParametersAtomically.Request(parameters=_messages(values))
+        return self._call(SetParametersAtomically, "set_parameters_atomically", request).result
+
+    def set_one_by_one(self, **values: Any) -> list[SetParametersResult]:
+        """Set parameters through the service that judges each for itself."""
+        request = SetParameters.Request(parameters=_messages(values))
+        return list(self._call(SetParameters, "set_parameters", request).results)
+
+    def describe_parameters(self, names: list[str]) -> list[ParameterDescriptor]:
+        """Return what the node says of its parameters."""
+        request = DescribeParameters.Request(names=names)
+        return list(self._call(DescribeParameters, "describe_parameters", request).descriptors)
+
+    def _call(self, kind: Any, service: str, request: Any) -> Any:
+        client = self.probe.create_client(kind, f"{self.node.get_name()}/{service}")
+        self.wait_until(client.service_is_ready, f"the service {service}")
+        future = client.call_async(request)
+        self.wait_until(future.done, f"an answer of {service}")
         self.probe.destroy_client(client)
-        return future.result().result
+        return future.result()
 
     def diagnostics(self) -> dict[str, Any]:
         """Publish and return what the node says of itself: level, message and values."""
@@ -76,6 +87,10 @@ class NodeBench:
             "message": status.message,
             **{value.key: value.value for value in status.values},
         }
+
+
+def _messages(values: dict[str, Any]) -> list[Any]:
+    return [Parameter(name.replace("__", "."), value=value).to_parameter_msg() for name, value in values.items()]
 
 
 @contextmanager

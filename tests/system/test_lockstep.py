@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 
-from dp_tools.bag_reader import read_bag
+from dp_tools.bag_reader import bag_file, read_bag
 from support.dp_command import dp, own_domain, write_scenario
 from support.recordings import differences_from_in_process_loop, messages_by_topic, repeatable
 
@@ -55,4 +57,58 @@ def test_graph_equals_the_loop_without_middleware(bags: dict[str, Path], how: st
     """Equal in every bit: the same cores, fed the same doubles in the same order, on one machine."""
     differences = differences_from_in_process_loop(bags[how])
     assert len(differences) > 40
+    assert {name: value for name, value in differences.items() if value != 0.0} == {}
+
+
+# Sectors, limits of power with measured power, and thrusters held or rotating by the demand: each switched on while
+# the ring turns. The allocator begins to listen to thruster_feedback in the middle of the run.
+SWITCHED_ON = [
+    {"at": 0.0, "setpoint": [0.0, 0.0, 0.0]},
+    {"at": 1.0, "setpoint": [0.6, 0.4, 0.3]},
+    {"at": 3.0, "parameters": {"thrust_allocator": {"sectors.enabled": True, "sectors.dwell_time": 1.0}}},
+    {"at": 5.0, "parameters": {"thrust_allocator": {"power.limit": "total", "power.available": 0.2}}},
+    {
+        "at": 7.0,
+        "setpoint": [0.0, 0.0, 0.0],
+        "parameters": {
+            "thrust_allocator": {
+                "power.limit": "both",
+                "power.bus_limit": [0.1, 0.1],
+                "thruster_enabled": [True, True, True, False],
+            }
+        },
+    },
+    {
+        "at": 9.0,
+        "parameters": {
+            "thrust_allocator": {"azimuth_mode": "auto", "auto.force_limit": 8.0, "auto.hysteresis": 0.5}
+            | {"auto.dwell_time": 0.5, "auto.filter_frequency": 1.0, "power.limit": "none", "feather_time": 1.0}
+            | {"thruster_enabled": [True, True, True, True]}
+        },
+    },
+]
+
+
+@pytest.mark.timeout(120)
+def test_what_the_allocator_is_told_while_running_is_the_same_without_middleware(tmp_path: Path) -> None:
+    scenario = write_scenario(tmp_path, 14.0, events=SWITCHED_ON, parameters={
+        "vessel_sim": {"waves.amplitude": 0.02, "waves.period": 0.9, "waves.direction": 2.8},
+        "dp_controller": {"mode": "setpoint"},
+        "thrust_allocator": {"azimuth_mode": "rotating"},
+    })  # fmt: skip
+    with own_domain() as domain:
+        words = ("up", "--scenario", str(scenario), "--lockstep", "--record", "--output", str(tmp_path / "run"))
+        code, output = dp(*words, environment=domain)
+    assert code == 0, output
+    bag = tmp_path / "run" / "bag"
+    with bag_file(bag).open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        found = [status for *_, status in reader.iter_decoded_messages(topics=["/allocation_status"])]
+    assert len(found) == 70
+    # So that equality means something: every part had its say.
+    assert any(any(status.crossing) for status in found)
+    assert {status.power_stage for status in found} > {"", "within"}
+    assert any(any(status.bus_limited) for status in found)
+    assert {status.azimuth_mode for status in found[45:]} == {"fixed", "rotating"}
+    differences = differences_from_in_process_loop(bag)
     assert {name: value for name, value in differences.items() if value != 0.0} == {}

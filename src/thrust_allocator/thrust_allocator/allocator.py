@@ -254,7 +254,7 @@ class Allocator:
             status=status,
             message=message,
             azimuth_mode="rotating" if rotating else "fixed",
-            solver=self._engine.solver,
+            solver=self._engine.solver_of(answer),
             sectors=sectors,
             power=power,
             avoidance=avoidance,

@@ -201,6 +201,12 @@ class Engine:
             )
         return AllocationProblem(weights, answer.plans, answer.tau, coupling)
 
+    def solver_of(self, answer: Answer) -> str:
+        """Return the name of the solver that was asked last for ``answer``."""
+        if answer.problem is None:
+            return NAME
+        return self._second.name if self._solver.name == NAME else self._solver.name
+
     def solution(self, answer: Answer) -> Solution | None:
         """Return what the solver made of the problem of a run; None where it gave nothing."""
         if answer.problem is not None:

@@ -5,50 +5,25 @@ from __future__ import annotations
 import math
 from array import array
 from collections import deque
-from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback
 from geometry_msgs.msg import WrenchStamped
 
-from dp_node import Health, Level, RingNode, StampSequence, run_node, to_nanoseconds
+from dp_node import Health, RingNode, StampSequence, run_node, to_nanoseconds
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME
-from marine_model.guards import finite_vector
+from marine_model.guards import FloatArray, finite_vector
 from thrust_allocator.allocator import Allocator
+from thrust_allocator.node_health import Tally, health_of
 from thrust_allocator.result import AllocationResult, Status
 from thrust_allocator.settings import AllocatorSettings, check_settings
 
-_MEANING = {
-    Status.OPTIMAL: Level.OK,
-    Status.DEMAND_NOT_FINITE: Level.WARN,
-    Status.NO_THRUSTER: Level.ERROR,
-    Status.HOLD: Level.ERROR,
-}
 _INITIAL = ("vessel", "feedback")
 # Measurements of power that are kept until a demand comes.
 _POWERS = 256
-
-
-@dataclass
-class _Tally:
-    """What the node has done since it was activated, and since the last report (solve times)."""
-
-    status: Status = Status.OPTIMAL
-    message: str = ""
-    demands: int = 0
-    reported: int = 0
-    steps: dict[Status, int] = field(default_factory=lambda: dict.fromkeys(Status, 0))
-    solve_time: float = 0.0
-    longest: float = 0.0
-
-    def add(self, result: AllocationResult) -> None:
-        self.status, self.message = result.status, result.message
-        self.demands += 1
-        self.steps[result.status] += 1
-        self.solve_time += result.solve_time
-        self.longest = max(self.longest, result.solve_time)
 
 
 class AllocatorNode(RingNode[AllocatorSettings]):
@@ -76,6 +51,9 @@ class AllocatorNode(RingNode[AllocatorSettings]):
     def build(self) -> None:
         """Make core, publishers and subscriptions."""
         self._core = Allocator(self.vessel, self.settings)
+        # What is told of an answer is machine code too, and none of it is to be compiled while a demand waits.
+        rehearsal = Allocator(self.vessel, self.settings).step(np.zeros(3), self.vessel.measurement.sample_time)
+        self._status_message(AllocationStatus().header, rehearsal)
         self._names = list(self.vessel.thruster_names)
         self._azimuth: Any = None
         self._command = self.publish_on(ThrusterCommand, "thruster_command")
@@ -90,6 +68,8 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         """Hand changed settings to the core; they hold from the next demand on."""
         self._core.apply(settings)
         self._hear_feedback()
+        if self._held is not None and not self._needs_power():
+            self._answer_held()
 
     def started(self) -> None:
         """Begin anew: without thrust, pointing where the last command left the thrusters."""
@@ -97,26 +77,15 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._forget()
 
     def health(self) -> Health:
-        """Return status of the last step, counts of fall-backs, and solve times."""
-        tally = self._tally
-        fresh = tally.demands - tally.reported
-        values: dict[str, object] = {
-            "status": tally.status.value,
-            "detail": tally.message,
-            "demands": tally.demands,
-            **{f"steps_{status.value}": count for status, count in tally.steps.items()},
-            "solver": self.settings.solver,
-            "solve_time_mean_us": 1e6 * tally.solve_time / fresh if fresh else 0.0,
-            "solve_time_max_us": 1e6 * tally.longest,
-        }
-        tally.reported = tally.demands
-        tally.solve_time = tally.longest = 0.0
+        """Return status of the last answer, counts of fall-backs, what limits it, and solve times."""
+        waiting = ""
         if self._waiting:
-            return Health(Level.WARN, "no thruster_feedback yet: demands are refused", values)
-        if not fresh:
-            return Health(Level.WARN, "no tau_desired: no thruster_command", values)
-        level = _MEANING[tally.status]
-        return Health(level, "nominal" if level is Level.OK else f"{tally.status}: {tally.message}", values)
+            waiting = "no thruster_feedback yet: demands are refused"
+        elif self._held is not None:
+            waiting = "tau_desired waits for the power of thruster_feedback"
+        health = health_of(self._tally, self.settings, self.vessel, waiting)
+        self._tally.reported()
+        return health
 
     def _needs_power(self) -> bool:
         power = self.settings.power
@@ -129,36 +98,55 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             self.listen(ThrusterFeedback, "thruster_feedback", self._on_feedback)
 
     def _forget(self) -> None:
-        self._powers: deque[tuple[int, float]] = deque(maxlen=_POWERS)
+        # Stamp and power of every thruster; None where it was refused.
+        self._powers: deque[tuple[int, FloatArray | None]] = deque(maxlen=_POWERS)
         self._held: Any = None
         self._stamps = StampSequence("tau_desired")
         self._waiting = self._initial == "feedback"
-        self._tally = _Tally()
+        self._tally = Tally()
 
     def _on_feedback(self, message: Any) -> None:
         if self._needs_power():
-            self._powers.append((to_nanoseconds(message.header.stamp), self._total_power(message)))
-            if self._held is not None and self._powers[-1][0] >= self._needed(self._held):
-                held, self._held = self._held, None
-                self._on_demand(held)
+            self._powers.append((to_nanoseconds(message.header.stamp), None))
+            try:
+                power = finite_vector("thruster_feedback: power", message.power, len(self._names))
+                self._powers[-1] = (self._powers[-1][0], power[self._order(message)])
+            finally:
+                # Refused or not: a demand that waits is answered, or the ring would stand still.
+                if self._held is not None and self._powers[-1][0] >= self._needed(self._held):
+                    self._answer_held()
         if self._waiting:
             self._start_from(message)
 
-    def _total_power(self, message: Any) -> float:
-        """Return the measured power of the thrusters that are not lost, W."""
-        enabled = dict(zip(self._names, self.settings.thruster_enabled or (True,) * len(self._names), strict=True))
-        power: list[float] = finite_vector("thruster_feedback: power", message.power, len(self._names)).tolist()
-        return sum([value for name, value in zip(message.name, power, strict=True) if enabled.get(name, False)], 0.0)
+    def _answer_held(self) -> None:
+        held, self._held = self._held, None
+        try:
+            self._answer(held)
+        except InputError as error:
+            self.refuse(str(error))
+
+    def _order(self, message: Any) -> list[int]:
+        """Return where each thruster of the vessel stands in a feedback."""
+        names = list(message.name)
+        if sorted(names) != sorted(self._names):
+            raise InputError(f"thruster_feedback: expected the thrusters {self._names}, found {names}")
+        return [names.index(name) for name in self._names]
+
+    def _measure_power(self, stamp: int) -> None:
+        """Hand the core what was measured last before ``stamp`` (ns), of the thrusters that are not lost."""
+        for at, power in reversed(self._powers):
+            if at < stamp:
+                if power is not None:
+                    enabled = np.array(self.settings.thruster_enabled or (True,) * len(self._names), dtype=np.bool_)
+                    self._core.measure_power(float(power[enabled].sum()))
+                return
 
     def _needed(self, demand: Any) -> int:
         """Return the stamp of the feedback before a demand, where the simulator sends one at every time step."""
         return to_nanoseconds(demand.header.stamp) - round(self.vessel.simulation.time_step * 1e9)
 
     def _start_from(self, message: Any) -> None:
-        names = list(message.name)
-        if sorted(names) != sorted(self._names):
-            raise InputError(f"thruster_feedback: expected the thrusters {self._names}, found {names}")
-        order = [names.index(name) for name in self._names]
+        order = self._order(message)
         n = len(order)
         azimuth = finite_vector("thruster_feedback: azimuth", message.azimuth, n)[order]
         shaft_speed = finite_vector("thruster_feedback: shaft_speed", message.shaft_speed, n)[order]
@@ -168,25 +156,31 @@ class AllocatorNode(RingNode[AllocatorSettings]):
     def _on_demand(self, message: Any) -> None:
         if message.header.frame_id not in ("", BODY_FRAME):
             raise InputError(f"tau_desired: expected frame_id '{BODY_FRAME}', found '{message.header.frame_id}'")
-        if self._needs_power():
-            stamp = to_nanoseconds(message.header.stamp)
-            # In lockstep the measured power is the same in every run, so that the demand waits for it.
-            if self.synchronous and self._powers and self._powers[-1][0] < self._needed(message):
-                self._held = message
-                return
-            powers = [power for at, power in self._powers if at < stamp]
-            if powers:
-                self._core.measure_power(powers[-1])
         if self._waiting:
             raise InputError("tau_desired: refused until the first thruster_feedback says where the thrusters point")
-        dt = self._stamps.step(message.header.stamp, self.vessel.measurement.sample_time)
+        # In lockstep the measured power is the same in every run, so that a demand waits for it. Before the first
+        # demand there has been none.
+        if self.synchronous and self._needs_power() and self._stamps.last is not None:
+            latest = self._powers[-1][0] if self._powers else None
+            if latest is None or latest < self._needed(message):
+                if self._held is not None:
+                    self.refuse("tau_desired: another came before the thruster_feedback that this one waited for")
+                self._held = message
+                return
+        self._answer(message)
+
+    def _answer(self, message: Any) -> None:
+        stamp = message.header.stamp
+        dt = self._stamps.step(stamp, self.vessel.measurement.sample_time)
+        if self._needs_power():
+            self._measure_power(to_nanoseconds(stamp))
         wrench = message.wrench
         result = self._core.step((wrench.force.x, wrench.force.y, wrench.torque.z), dt)
-        self._publish(message.header.stamp, result)
+        self._publish(stamp, result)
         self._azimuth = result.azimuth
-        changed = result.status is not self._tally.status
-        self._tally.add(result)
-        if changed:
+        before = Status.OPTIMAL if self._tally.last is None else self._tally.last.status
+        self._tally.add(result, self.settings.solver)
+        if result.status is not before:
             self._report(result)
 
     def _report(self, result: AllocationResult) -> None:

@@ -54,7 +54,7 @@ class AllocationResult:
     azimuth_mode
         Mode in force: fixed or rotating.
     solver
-        Name of the solver.
+        Name of the solver that answered: that of the settings, or daqp in place of the package's own.
     sectors
         What the supervisor of sectors decided; None without sectors.
     power
