@@ -269,13 +269,15 @@ class Allocator:
         _Twin(self._vessel, self._settings).step(self._vessel.thrust_max.sum() * np.ones(3), self._longest_step)
 
     def _choose_mode(self, tau: FloatArray, elapsed: float) -> bool:
-        """Return whether azimuth thrusters rotate in this step, and write it into the limits."""
-        if self._mode is not AzimuthMode.AUTO:
-            return self._mode is AzimuthMode.VARIABLE
-        self._mode_state = next_mode(self._mode_state, self._mode, self._auto, float(tau[0]), float(tau[1]), elapsed)
-        rotating = self._mode_state.rotating
-        self._limits[:, Limit.ROTATING] = rotating
-        return rotating
+        """Return whether azimuth thrusters rotate in this step, and write it into the limits.
+
+        The filter of the demand goes on in every mode, so that auto begins from what the demand has been.
+        """
+        state = next_mode(self._mode_state, self._mode, self._auto, float(tau[0]), float(tau[1]), elapsed)
+        self._mode_state = state
+        if self._mode is AzimuthMode.AUTO:
+            self._limits[:, Limit.ROTATING] = state.rotating
+        return state.rotating
 
     def _weight_now(self) -> FloatArray:
         """Return the diagonal of W_u^2 for this step, shape (n,)."""

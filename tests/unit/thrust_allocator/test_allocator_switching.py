@@ -211,3 +211,14 @@ def test_half_way_into_each_phase_the_settings_can_change() -> None:
         tau = random.normal(size=3) * [8.0, 6.0, 3.0]
         for _ in range(random.integers(1, 6)):
             assert allocator.step(tau, DT).status is Status.OPTIMAL
+
+
+def test_auto_begins_from_what_the_demand_has_been() -> None:
+    """The filter (6.3) goes on while the operator holds a mode: no switch to fixed and back on the way to auto."""
+    for tau, mode in (([4.0, 0.0, 0.0], "rotating"), ([0.2, 0.0, 0.0], "fixed")):
+        made = Allocator(VESSEL, AllocatorSettings.for_vessel(VESSEL, azimuth_mode="variable"))
+        for _ in range(200):  # 40 s: eight time constants of 5 s
+            assert made.step(tau, DT).azimuth_mode == "rotating"
+        made.apply(AllocatorSettings.for_vessel(VESSEL, azimuth_mode="auto"))
+        # The dwell time is long over, so that the first step decides.
+        assert made.step(tau, DT).azimuth_mode == mode
