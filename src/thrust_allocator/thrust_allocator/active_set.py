@@ -30,8 +30,10 @@ IntArray = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
 # Newton's steps before the primal method takes over, and what that one may take a thruster.
 _NEWTON_STEPS = 5
 _CHANGES = 40
+# Share of a step below which nothing has moved.
+_NO_STEP = 1e-9
 # Stationarity below which an answer needs no polish, and how often it gets one.
-_POLISHED = 1e-14
+_POLISHED = 1e-16
 _POLISHES = 2
 # A multiplier counts as negative below this share of the largest generalized force it was summed from: rounding.
 _ROUNDING = 1e-13
@@ -215,38 +217,50 @@ def _blocked(
 
 
 @compiled
-def _wrong_multiplier(corners: FloatArray, count: int, face: int, r_x: float, r_y: float) -> tuple[float, int]:
-    """Return the most negative multiplier of a face, 0 if none is, and the face without that limit.
+def _edge(corners: FloatArray, count: int, k: int, step: int) -> tuple[int, float, float]:
+    """Return the first edge from ``k`` on, going by ``step`` (1 or -1), that has a length, and its unit vector.
 
-    (r_x, r_y) is what the limits have to hold: a sum of multipliers, each 0 or more, times outward unit normals.
+    -1 if no edge has one: a point.
     """
-    if face == 0 or count == 1:
+    for _ in range(count):
+        following = k + 1 if k + 1 < count else 0
+        e_x, e_y = corners[following, 0] - corners[k, 0], corners[following, 1] - corners[k, 1]
+        length = np.sqrt(e_x * e_x + e_y * e_y)
+        if length > 0.0:
+            return k, e_x / length, e_y / length
+        k += step
+        if k < 0:
+            k = count - 1
+        elif k == count:
+            k = 0
+    return -1, 0.0, 0.0
+
+
+@compiled
+def _wrong_multiplier(corners: FloatArray, count: int, face: int, r_x: float, r_y: float) -> tuple[float, int]:
+    """Return how fast the cost falls when a limit of a face is left, 0 if it does not, and the face without that limit.
+
+    (r_x, r_y) is what the limits have to hold: minus the gradient. Its part along the way out of the face has the sign
+    of the multiplier that would be wrong, with no division by the angle between two edges, which may be next to none.
+    """
+    if face == 0 or count == 1 or (count == 2 and face == 1):
         return 0.0, face
-    k = (face - 1) // 2
-    following = k + 1 if k + 1 < count else 0
-    e_x, e_y = corners[following, 0] - corners[k, 0], corners[following, 1] - corners[k, 1]
-    length = np.sqrt(e_x * e_x + e_y * e_y)
-    if count == 2:
-        if face == 1:
-            return 0.0, face
-        # Both ends of a segment are seen from corner k along its edge; outwards is away from the other end.
-        inwards = (r_x * e_x + r_y * e_y) / length
-        return (-inwards, 1) if inwards > 0.0 else (0.0, face)
+    k, e_x, e_y = _edge(corners, count, (face - 1) // 2, 1)
+    if k < 0:
+        return 0.0, face
     if face % 2 == 1:
-        across = (r_x * e_y - r_y * e_x) / length
+        across = r_x * e_y - r_y * e_x
         return (across, 0) if across < 0.0 else (0.0, face)
-    before = k - 1 if k > 0 else count - 1
-    f_x, f_y = corners[k, 0] - corners[before, 0], corners[k, 1] - corners[before, 1]
-    previous = np.sqrt(f_x * f_x + f_y * f_y)
-    # Normals (e_y, -e_x) / length and (f_y, -f_x) / previous; r = mu_e n_e + mu_f n_f.
-    e_x, e_y, f_x, f_y = e_x / length, e_y / length, f_x / previous, f_y / previous
-    turn = f_x * e_y - f_y * e_x
-    mu_e = (r_x * f_x + r_y * f_y) / turn
-    mu_f = -(r_x * e_x + r_y * e_y) / turn
-    if mu_e < 0.0 and mu_e <= mu_f:
-        return mu_e, 2 * before + 1
-    if mu_f < 0.0:
-        return mu_f, 2 * k + 1
+    if count == 2:
+        # Both ends of a segment are seen from corner k along its edge; outwards is away from the other end.
+        inwards = r_x * e_x + r_y * e_y
+        return (-inwards, 1) if inwards > 0.0 else (0.0, face)
+    before, f_x, f_y = _edge(corners, count, (face - 2) // 2 - 1 if face > 2 else count - 1, -1)
+    along, back = r_x * e_x + r_y * e_y, -(r_x * f_x + r_y * f_y)
+    if along > 0.0 and along >= back:
+        return -along, 2 * k + 1
+    if back > 0.0:
+        return -back, 2 * before + 1
     return 0.0, face
 
 
@@ -266,6 +280,10 @@ def _improve(
 ) -> int:
     """Go from a feasible ``force`` on ``face`` to the optimum; return the changes of face it took, -1 on failure."""
     m, n = len(tau), len(weight)
+    # A limit that is met again at once, where it was left, had a multiplier of zero but for rounding. It is not left
+    # again from the same point.
+    stuck = np.zeros(n, dtype=np.bool_)
+    released, left = -1, 0
     for change in range(_CHANGES * n):
         _equations(B, weight, corners, count, compliance, tau, face, matrix, right)
         if not _cholesky(matrix):
@@ -289,7 +307,11 @@ def _improve(
             x, y = _on_face(corners[j], count[j], face[j], x / weight[j], y / weight[j])
             force[j, 0] += length * (x - force[j, 0])
             force[j, 1] += length * (y - force[j, 1])
+        if length > _NO_STEP and released >= 0:
+            stuck[:] = False
         if first >= 0:
+            if length <= _NO_STEP and first == released and met == left:
+                stuck[first], released = True, -1
             face[first] = met
             force[first, 0], force[first, 1] = _on_face(
                 corners[first], count[first], met, force[first, 0], force[first, 1]
@@ -301,7 +323,7 @@ def _improve(
             size = max(size, abs(right[i]))
         worst, first = -_ROUNDING * size, -1
         for j in range(n):
-            if count[j] == 0:
+            if count[j] == 0 or stuck[j]:
                 continue
             x, y = pull_of(B, j, multiplier)
             value, on = _wrong_multiplier(
@@ -311,6 +333,7 @@ def _improve(
                 worst, first, met = value, j, on
         if first < 0:
             return change
+        released, left = first, face[first]
         face[first] = met
     return -1
 
@@ -382,16 +405,25 @@ def _gradient(
     force: FloatArray,
     face: IntArray,
     gradient: FloatArray,
+    terms: FloatArray,
 ) -> float:
     """Set ``multiplier`` to Q s, s = tau - sum_j B_j u_j, and return the length of the gradient along the faces.
 
-    ``gradient`` (n, 2) receives D_j (w_j u_j - B_j' Q s). The length is told as a share of that of B' Q tau.
+    ``gradient`` (n, 2) receives D_j (w_j u_j - B_j' Q s). The length is told as a share of that of |B|' Q t, t (m,) the
+    sum of the sizes of the terms of s, and of the corners that forces are reckoned from: where rounding comes from. ``terms`` receives t.
     """
     m = len(tau)
     for i in range(m):
-        value = tau[i]
+        value, terms[i] = tau[i], abs(tau[i])
         for j in range(len(weight)):
-            value -= B[j, i, 0] * force[j, 0] + B[j, i, 1] * force[j, 1]
+            if count[j] == 0:
+                continue
+            x, y = force[j, 0], force[j, 1]
+            value -= B[j, i, 0] * x + B[j, i, 1] * y
+            if face[j] > 0:
+                k = (face[j] - 1) // 2
+                x, y = abs(x) + abs(corners[j, k, 0]), abs(y) + abs(corners[j, k, 1])
+            terms[i] += abs(B[j, i, 0] * x) + abs(B[j, i, 1] * y)
         multiplier[i] = value / compliance[i]
     left = size = 0.0
     for j in range(len(weight)):
@@ -404,8 +436,8 @@ def _gradient(
         left += gradient[j, 0] ** 2 + gradient[j, 1] ** 2
         x = y = 0.0
         for i in range(m):
-            x += B[j, i, 0] * tau[i] / compliance[i]
-            y += B[j, i, 1] * tau[i] / compliance[i]
+            x += abs(B[j, i, 0]) * terms[i] / compliance[i]
+            y += abs(B[j, i, 1]) * terms[i] / compliance[i]
         size += x * x + y * y
     return float(np.sqrt(left / size)) if size > 0.0 else float(np.sqrt(left))
 
@@ -433,7 +465,7 @@ def polish(
     m = len(tau)
     matrix, right = work[:, :m], work[:, m]
     for _ in range(_POLISHES):
-        left = _gradient(B, weight, corners, count, compliance, tau, multiplier, force, face, gradient)
+        left = _gradient(B, weight, corners, count, compliance, tau, multiplier, force, face, gradient, right)
         if left <= _POLISHED:
             return left
         _equations(B, weight, corners, count, compliance, tau, face, matrix, right)
@@ -452,4 +484,4 @@ def polish(
             force[j, 0], force[j, 1] = _on_face(
                 corners[j], count[j], face[j], force[j, 0] + x / weight[j], force[j, 1] + y / weight[j]
             )
-    return _gradient(B, weight, corners, count, compliance, tau, multiplier, force, face, gradient)
+    return _gradient(B, weight, corners, count, compliance, tau, multiplier, force, face, gradient, right)

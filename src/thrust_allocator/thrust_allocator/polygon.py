@@ -10,6 +10,8 @@ from marine_model.guards import FloatArray
 ROWS = 5
 # Corners of that polygon, at most.
 CORNERS = 5
+# Shortest side of a cone as a share of the height of the polygon.
+_SHORTEST = 1e-9
 
 Row = tuple[float, float, float]
 
@@ -83,10 +85,12 @@ def rotating_corners(
     # In a frame whose x axis is the present direction, the line of least thrust is x = back.
     back = -min(-thrust_lower, width)
     x, y = corners[:, 0], corners[:, 1]
+    # A side that is shorter than this has no direction but rounding's; the line of least thrust then cuts it off.
+    least = back + _SHORTEST * (thrust_upper - back)
     # Where a side of the window meets its line of largest thrust, at a right angle.
     side_x = thrust_upper * cos_low * cos_low + width * sin_low
     k = 0
-    if side_x > back:
+    if side_x > least:
         x[0], y[0] = back, (sin_low * back - width) / cos_low
         x[1], y[1] = side_x, thrust_upper * cos_low * sin_low - width * cos_low
         k = 2
@@ -97,7 +101,7 @@ def rotating_corners(
     x[k], y[k] = thrust_upper, 0.0
     k += 1
     side_x = thrust_upper * cos_high * cos_high - width * sin_high
-    if side_x > back:
+    if side_x > least:
         x[k], y[k] = side_x, thrust_upper * cos_high * sin_high + width * cos_high
         x[k + 1], y[k + 1] = back, (sin_high * back + width) / cos_high
         k += 2
