@@ -118,6 +118,16 @@ def factor_at(thruster: ThrusterSectors, azimuth: float) -> float:
     return 1.0
 
 
+def least_factor(thruster: ThrusterSectors, azimuth: float, turn: float) -> float:
+    """Return the least share of the largest thrust that may be given on the way from ``azimuth`` by ``turn``, rad."""
+    least = factor_at(thruster, azimuth)
+    half = 0.5 * abs(turn)
+    for arc in thruster.limited:
+        if abs(wrap_angle(azimuth + 0.5 * turn - arc.centre)) < arc.half_width + half - ANGLE_TOLERANCE:
+            least = min(least, arc.thrust_factor)
+    return least
+
+
 def _arc(sector: Sector) -> Arc:
     half_width = 0.5 * sector.width
     return Arc(wrap_angle(sector.start + half_width), half_width, sector.thrust_factor)

@@ -58,12 +58,12 @@ class Pieces:
                 self.corners[row, : len(corners)] = corners
                 self.count[row] = len(corners)
 
-    def hold(self, j: int, limits: FloatArray, azimuth: float) -> None:
-        """Let thruster ``j`` give no more than thrust along ``azimuth`` (rad), either way."""
+    def hold(self, j: int, limits: FloatArray, azimuth: float, factor: float) -> None:
+        """Let thruster ``j`` give no more than thrust along ``azimuth`` (rad), either way; ``factor`` of it ahead."""
         row = int(self.first[j])
         along = np.array((math.cos(azimuth), math.sin(azimuth)))
         self.corners[row, 0] = limits[j, Limit.THRUST_MIN] * along
-        self.corners[row, 1] = limits[j, Limit.THRUST_MAX] * along
+        self.corners[row, 1] = factor * limits[j, Limit.THRUST_MAX] * along
         self.count[row] = 0 if limits[j, Limit.ENABLED] == 0.0 else 2
 
 
