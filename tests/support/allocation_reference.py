@@ -28,22 +28,40 @@ class Reference:
     cost: float
 
 
-def reference(vessel: Vessel, rotating: list[bool], thrust: Array, azimuth: Array, tau: Array, dt: float) -> Reference:
-    """Solve (4.20)-(4.42) with all thrusters in order; the fixed ones point along ``azimuth`` in this step."""
+def reference(
+    vessel: Vessel,
+    rotating: list[bool],
+    thrust: Array,
+    azimuth: Array,
+    tau: Array,
+    dt: float,
+    limit_scale: Array | float = 1.0,
+    rate_scale: Array | float = 1.0,
+    lost: Array | bool = False,
+) -> Reference:
+    """Solve (4.20)-(4.42); the fixed thrusters point along ``azimuth`` in this step.
+
+    A lost one gives nothing: its columns are zero, which leaves it at whatever its window has that costs least, so that
+    the window is opened to zero and its weight is kept.
+    """
     gains = vessel.allocator
     n = len(thrust)
     c1, c2 = gains.approach_fraction, gains.zero_region
     step = vessel.thrust_rate * dt
-    turn = vessel.azimuth_rate * dt
+    turn = rate_scale * vessel.azimuth_rate * dt
+    gone = np.broadcast_to(np.asarray(lost), n)
     span = vessel.thrust_max - vessel.thrust_min
-    least = np.where(rotating, -c2 * span, vessel.thrust_min)
-    t_high = np.maximum(np.minimum(vessel.thrust_max, thrust + step), thrust - c1 * step)  # (4.14)
+    least = np.where(rotating, -c2 * span, limit_scale * vessel.thrust_min)
+    t_high = np.maximum(np.minimum(limit_scale * vessel.thrust_max, thrust + step), thrust - c1 * step)  # (4.14)
     t_low = np.minimum(np.maximum(least, thrust - step), thrust + c1 * step)  # (4.15)
+
+    t_high, t_low = np.where(gone, 1.0, t_high), np.where(gone, -1.0, t_low)
 
     # (4.24), over x = [T_x, T_y]
     B = np.zeros((3, 2 * n))
     B[0, :n] = B[1, n:] = 1.0
     B[2, :n], B[2, n:] = -vessel.lever_y, vessel.lever_x
+    B[:, np.tile(gone, 2)] = 0.0
     rows: list[Array] = []
     limits: list[float] = []
 

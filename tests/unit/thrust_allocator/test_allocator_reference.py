@@ -1,4 +1,4 @@
-"""Thousands of random steps against a second implementation, and every solver against the first."""
+"""Ten thousand random steps against a second implementation, and every solver against the first."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ from thrust_allocator.polar import rotating_command
 
 VESSEL = load_vessel("cybership3")
 DT = 0.2
+# In each of the two modes; with the next, ten thousand in all.
 STEPS = 2000
+STEPS_WITH_FAULTS = 3000
 
 
 @pytest.mark.parametrize("mode", ["fixed", "rotating"])
@@ -52,6 +54,43 @@ def test_optimum_of_random_steps(mode: str) -> None:
             np.testing.assert_allclose(solution.z[at : at + 2], [expected.force_x[j], expected.force_y[j]], atol=1e-7)
         saturated += any(result.thrust_saturated)
     assert STEPS / 10 < saturated < STEPS  # both kinds of step were seen
+
+
+@pytest.mark.parametrize("mode", ["fixed", "rotating"])
+def test_optimum_of_random_steps_with_faults(mode: str) -> None:
+    """Thrusters lost, limits and azimuth rates scaled."""
+    random = np.random.default_rng(7)
+    allocator = Allocator(VESSEL)
+    for k in range(STEPS_WITH_FAULTS):
+        if k % 10 == 0:
+            enabled = random.random(4) > 0.2
+            enabled[random.integers(4)] = True
+            scale = random.choice([1.0, 0.7, 0.3, 0.01], size=4)
+            rate = random.choice([1.0, 0.5, 0.01], size=4)
+            allocator.apply(
+                AllocatorSettings(
+                    azimuth_mode=mode,
+                    thruster_enabled=tuple(enabled.tolist()),
+                    thrust_limit_scale=tuple(scale.tolist()),
+                    azimuth_rate_scale=tuple(rate.tolist()),
+                )
+            )
+        rotating = [mode == "rotating" and turns and on for turns, on in zip(VESSEL.can_rotate, enabled, strict=True)]
+        tau = random.normal(size=3) * [15.0, 12.0, 9.0] * random.choice([0.05, 0.3, 1.0])
+        # Beyond the scaled limits too.
+        thrust = random.uniform(np.where(rotating, 0.0, VESSEL.thrust_min), VESSEL.thrust_max)
+        thrust *= random.choice([0.0, 0.1, 1.0], size=4)
+        azimuth = np.where(VESSEL.can_rotate, random.uniform(-math.pi, math.pi, 4), VESSEL.fixed_direction)
+        if mode == "fixed":
+            azimuth = VESSEL.fixed_direction
+        allocator.reset(thrust, azimuth)
+        result = allocator.step(tau, DT)
+        expected = reference(VESSEL, rotating, thrust, azimuth, tau, DT, scale, rate, ~enabled)
+        problem, solution = allocator.problem, allocator.solution
+        assert problem is not None
+        assert solution is not None
+        assert result.status is Status.OPTIMAL
+        assert 2.0 * problem.objective(solution.z) == pytest.approx(expected.cost, rel=1e-9, abs=1e-10)
 
 
 @pytest.mark.parametrize("mode", ["fixed", "rotating"])
