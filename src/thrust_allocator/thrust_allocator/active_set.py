@@ -410,7 +410,8 @@ def _gradient(
     """Set ``multiplier`` to Q s, s = tau - sum_j B_j u_j, and return the length of the gradient along the faces.
 
     ``gradient`` (n, 2) receives D_j (w_j u_j - B_j' Q s). The length is told as a share of that of |B|' Q t, t (m,) the
-    sum of the sizes of the terms of s, and of the corners that forces are reckoned from: where rounding comes from. ``terms`` receives t.
+    sum of the sizes of the terms of s and of the corners that forces are reckoned from: where rounding comes from.
+    ``terms`` receives t.
     """
     m = len(tau)
     for i in range(m):
