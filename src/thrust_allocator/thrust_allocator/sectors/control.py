@@ -8,12 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from marine_model import Vessel
+from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
+from marine_model.sector import ANGLE_TOLERANCE
 from thrust_allocator.active_set import IntArray
 from thrust_allocator.phase import FIXED, LOST, ROTATING, Limit, Plan
 from thrust_allocator.polar import Command
 from thrust_allocator.problem import AllocationProblem, Weights
-from thrust_allocator.sectors.geometry import combinations, factor_at, vessel_sectors
+from thrust_allocator.sectors.geometry import combinations, factor_at, least_factor, vessel_sectors
 from thrust_allocator.sectors.path import Reach, narrow, nearest_window, reach_table, sector_table
 from thrust_allocator.sectors.pieces import Pieces
 from thrust_allocator.sectors.search import survey
@@ -83,6 +85,7 @@ class SectorControl:
         self._state = SupervisorState((0,) * n)
         self._choose(self._state)
         self._rotates: list[bool] = [False] * n
+        self._crossing = self._none_crossing
         self._limited = np.zeros(n, dtype=np.int64)
         self._barred: list[int] = []
         self._still: list[int] = []
@@ -124,7 +127,8 @@ class SectorControl:
         for j in self._still:
             if azimuth[j] != self._held_at[j]:
                 self._held_at[j] = azimuth[j]
-                self._pieces.hold(j, limits, float(azimuth[j]))
+                factor = factor_at(self._thrusters[j], float(azimuth[j]))
+                self._pieces.hold(j, limits, float(azimuth[j]), factor)
         table, pieces, rule = self._table, self._pieces, self._rule
         reach = reach_table(azimuth, self._chosen, *table)
         reach[self._barred] = _OUT_OF_REACH
@@ -161,10 +165,9 @@ class SectorControl:
         outside = narrow(limits, azimuth, self._chosen, self._limited, *table)
         limits[:, Limit.FACTOR] = 1.0
         for j in self._reduced:
-            if self._rotates[j]:
-                limits[j, Limit.FACTOR] = factor_at(self._thrusters[j], float(azimuth[j]))
-        crossing = tuple((limits[:, Limit.TO_WINDOW] != 0.0).tolist()) if outside else self._none_crossing
-        return SectorReport(self._number, state.windows, cost, crossing, solved)
+            limits[j, Limit.FACTOR] = self._factor(j, limits[j], float(azimuth[j]), dt)
+        self._crossing = tuple((limits[:, Limit.TO_WINDOW] != 0.0).tolist()) if outside else self._none_crossing
+        return SectorReport(self._number, state.windows, cost, self._crossing, solved)
 
     def problems(self, weights: Weights, tau: FloatArray) -> list[AllocationProblem]:
         """Return the sub-problems of all combinations as objects, in the order of Table 6.1, as they stand.
@@ -194,6 +197,15 @@ class SectorControl:
             found.append(AllocationProblem(weights, plans, tau, polygons=(corners, count)))
         return found
 
+    def _factor(self, j: int, limits: FloatArray, azimuth: float, dt: float) -> float:
+        """Return the share of the largest thrust that thruster ``j`` may give in a step of ``dt`` (s)."""
+        turn = float(limits[Limit.TO_WINDOW])
+        if self._rotates[j] and turn == 0.0:
+            # Wherever the step leads in the window, its end included, where another begins.
+            return self._thrusters[j].windows[int(self._chosen[j])].thrust_factor
+        reach = float(limits[Limit.AZIMUTH_RATE]) * dt
+        return least_factor(self._thrusters[j], azimuth, min(max(turn, -reach), reach))
+
     def _choose(self, state: SupervisorState) -> None:
         self._chosen = np.array(state.windows, dtype=np.int64)
         number = 0
@@ -201,8 +213,16 @@ class SectorControl:
             number = number * count + index
         self._number = number + 1
 
+    def _inside(self, j: int, azimuth: float) -> bool:
+        window = self._thrusters[j].windows[int(self._chosen[j])]
+        return abs(wrap_angle(azimuth - window.centre)) <= window.half_width + ANGLE_TOLERANCE
+
     def _enter(self, rotates: list[bool], azimuth: FloatArray) -> None:
-        """Choose windows for thrusters that rotate from now on, and leave those of the others alone."""
+        """Choose windows for thrusters that rotate from now on, and leave those of the others alone.
+
+        A thruster that is outside its window without having been on the way to it was moved meanwhile, with sectors
+        switched off. It begins anew as well.
+        """
         windows = list(self._state.windows)
         self._barred = []
         for j, may in enumerate(rotates):
@@ -211,7 +231,7 @@ class SectorControl:
                 # Whatever it is held at is in the place of its first window.
                 windows[j] = 0
                 self._barred += range(first + 1, first + self._counts[j])
-            elif not self._rotates[j]:
+            elif not self._rotates[j] or (not self._crossing[j] and not self._inside(j, float(azimuth[j]))):
                 windows[j] = nearest_window(self._thrusters[j], float(azimuth[j]), windows[j])
             self._limited[j] = may and not self._thrusters[j].windows[0].disc
         self._rotates = rotates

@@ -22,6 +22,8 @@ from thrust_allocator.sectors.supervisor import limits_of_cost
 
 # Sets of multipliers that are kept; the last ones replace the last place.
 _POOL = 24
+# Share of a cost that is rounding.
+_SAME_COST = 1e-10
 # Rounding of a bound, as a share of the numbers it is summed from.
 _ROUNDING = 1e-13
 
@@ -257,6 +259,22 @@ def survey(
     )
     if not far_cost < limit:
         return cost, free_cost, np.inf, 0, solved + more
+    # Two windows that overlap may cost the same: no thruster is turned to another one for nothing.
+    found = np.empty(len(multiplier))
+    for j in range(n):
+        there = far[j]
+        if reach[first[j] + there] == 0:
+            continue
+        for window in range(first[j + 1] - first[j]):
+            if reach[first[j] + window] != 0:
+                continue
+            far[j] = window
+            found[:] = multiplier
+            more += 1
+            same = sub_problem_cost(B, weight, compliance, tau, corners, count, first, far, found, force)
+            if same <= far_cost * (1.0 + _SAME_COST):
+                break
+            far[j] = there
     hardest = 0
     for j in range(n):
         hardest = max(hardest, reach[first[j] + far[j]])
