@@ -24,6 +24,8 @@ from thrust_allocator.sectors.supervisor import limits_of_cost
 _POOL = 24
 # Share of a cost that is rounding.
 _SAME_COST = 1e-10
+# Share of the cost of full thrust that is nothing: without a demand costs are rounding, and their ratio means nothing.
+_NOTHING = 1e-18
 # Rounding of a bound, as a share of the numbers it is summed from.
 _ROUNDING = 1e-13
 
@@ -243,6 +245,14 @@ def survey(
     n = len(weight)
     force = np.empty((n, 2))
     cost = sub_problem_cost(B, weight, compliance, tau, corners, count, first, chosen, multiplier, force)
+    full = 0.0
+    for j in range(n):
+        row = first[j] + chosen[j]
+        if count[row] > 0:
+            last = count[row] - 1
+            full += weight[j] * (corners[row, last, 0] ** 2 + corners[row, last, 1] ** 2)
+    if cost <= _NOTHING * full:
+        return cost, np.inf, np.inf, 0, 1
     limit, _, _ = limits_of_cost(cost, cost_ratio, crossing)
     free_cost, more = best_combination(
         B, weight, compliance, tau, corners, count, first, reach, 0, limit, multiplier, free
