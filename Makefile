@@ -5,7 +5,7 @@
 VENV := .venv/bin
 # Tests hand in wrong types on purpose, and strings where a choice is meant.
 TEST_TYPES := --allow-untyped-defs --allow-incomplete-defs --allow-untyped-calls --allow-any-generics \
-	--no-warn-return-any --disable-error-code arg-type --disable-error-code misc
+	--no-warn-return-any --no-warn-unused-ignores --disable-error-code arg-type --disable-error-code misc
 SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh
 
 help: ## list the targets

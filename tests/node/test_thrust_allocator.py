@@ -393,7 +393,9 @@ def test_all_gains_are_told_when_asked_for(start: Any) -> None:
         status = bench.ask(START + k * STEP, (6.0, 0.0, 0.0))[2]
         assert_tells(status, expected.step((6.0, 0.0, 0.0), 0.2))
     # The vessel's limit, and reason to wait: surge alone turns all thrusters ahead, where sway is weak.
-    assert status.gain_limit == VESSEL.allocator.singularity.gain_limit
+    gains = VESSEL.allocator.singularity
+    assert gains is not None
+    assert status.gain_limit == gains.gain_limit
     assert status.waiting
     assert status.minimum_gain_free < status.gain_limit < status.minimum_gain_both_ways
     for gain in (status.minimum_gain, status.minimum_gain_local, status.minimum_gain_horizon):

@@ -206,10 +206,10 @@ class Allocator:
             # The results of steps before keep theirs.
             self._limits = self._limits.copy()
         settings, limits, before = self._settings, self._limits, self._before
-        rotating = self._choose_mode(tau, elapsed)
         if self._feathering.active:
             self._feathering.step(limits, dt)
         tamed = self._tamed(tau)
+        rotating = self._choose_mode(tamed, elapsed)
         weight = self._weight_now()
         sectors: SectorReport | None = None
         if settings.sectors.enabled:

@@ -222,3 +222,13 @@ def test_auto_begins_from_what_the_demand_has_been() -> None:
         made.apply(AllocatorSettings.for_vessel(VESSEL, azimuth_mode="auto"))
         # The dwell time is long over, so that the first step decides.
         assert made.step(tau, DT).azimuth_mode == mode
+
+
+@pytest.mark.parametrize("size", [1e15, 1.5e308])
+def test_one_absurd_demand_does_not_hold_auto(size: float) -> None:
+    made = Allocator(VESSEL, AllocatorSettings.for_vessel(VESSEL, azimuth_mode="auto"))
+    made.step([size, -size, 0.0], DT)
+    # The filter took ten times the vessel's thrust for one sample of 0.2 s and a time constant of 5 s; from 30 N it is
+    # below 1.3 N after 16 s, and the dwell time is shorter.
+    modes = [made.step([0.0, 0.0, 0.0], DT).azimuth_mode for _ in range(150)]
+    assert modes[-1] == "fixed"

@@ -36,7 +36,7 @@ def changed(kinds: str) -> Vessel:
     return Vessel.model_validate(document)
 
 
-def cones(random: np.random.Generator, first: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
+def cones(random: np.random.Generator, first: FloatArray, radius: float) -> tuple[Any, Any]:
     corners, count = np.zeros((int(first[-1]), 9, 2)), np.zeros(int(first[-1]), dtype=np.int64)
     for row in range(len(count)):
         start, width = random.uniform(-math.pi, math.pi), random.uniform(0.2, 3.1)
@@ -47,12 +47,12 @@ def cones(random: np.random.Generator, first: FloatArray, radius: float) -> tupl
     return corners, count
 
 
-def cost_of(what: tuple[Any, ...], choice: tuple[int, ...]) -> float:
+def cost_of(what: Any, choice: tuple[int, ...]) -> float:
     n = len(choice)
     return sub_problem_cost(*what, np.array(choice), np.zeros(3), np.zeros((n, 2)))
 
 
-def check_search(what: tuple[Any, ...], reach: FloatArray, furthest: int) -> tuple[int, int]:
+def check_search(what: Any, reach: FloatArray, furthest: int) -> tuple[int, int]:
     first = what[6]
     n = len(first) - 1
     admitted = [[i for i in range(int(first[j + 1] - first[j])) if reach[first[j] + i] <= furthest] for j in range(n)]

@@ -222,5 +222,5 @@ def test_a_thruster_that_follows_a_demand(circle: Circle, azimuth: float, demand
             if way.inside:
                 assert allowed(azimuth)
         # 12 s are the dwell time and two turns through half a circle, and the cost does not depend on where it points.
-        (window,) = state.windows
-        assert abs(wrap_angle(azimuth - nearest(window, demand))) < 1e-9
+        (last,) = state.windows
+        assert abs(wrap_angle(azimuth - nearest(last, demand))) < 1e-9

@@ -77,6 +77,6 @@ def test_bad_input_is_refused() -> None:
     with pytest.raises(InputError, match="enabled: expected 4 bools, found shape \\(3,\\)"):
         scaled_configuration(VESSEL, enabled=[True, True, False])
     with pytest.raises(InputError, match=r"enabled: expected 4 bools, found .* int64"):
-        scaled_configuration(VESSEL, enabled=[1, 1, 0, 1])
+        scaled_configuration(VESSEL, enabled=[1, 1, 0, 1])  # type: ignore[list-item]
     with pytest.raises(InputError, match="equal_thrust: expected False with a scaling"):
         scaled_configuration(SCALING, equal_thrust=True)
