@@ -223,7 +223,7 @@ def test_nearest_point_of_a_polygon() -> None:
 def test_nearest_point_to_one_far_away_is_the_furthest_along(angle: float, size: float, distance: float) -> None:
     """Multipliers of a saturated step put a point so far away that distances to two corners are one number."""
     corners = size * np.array([[-1.0, -1.0], [1.0, -0.5], [1.2, 0.3], [0.1, 1.0], [-1.1, 0.2]])
-    away = np.array([math.cos(direction), math.sin(direction)])
+    away = np.array([math.cos(angle), math.sin(angle)])
     x, y, _ = project(corners, 5, *(distance * away))
     assert float(away @ (x, y)) >= float((corners @ away).max()) - 1e-9 * size - size * size / distance
 

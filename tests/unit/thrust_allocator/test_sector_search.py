@@ -20,6 +20,10 @@ from thrust_allocator.sectors.pieces import Pieces
 from thrust_allocator.sectors.search import best_combination, sub_problem_cost
 from thrust_allocator.settings import SectorSettings
 
+# Called with their first arguments in a tuple.
+_sub_problem_cost: Any = sub_problem_cost
+_best_combination: Any = best_combination
+
 VESSEL = load_vessel("cybership3")
 DT = 0.2
 
@@ -49,7 +53,7 @@ def cones(random: np.random.Generator, first: FloatArray, radius: float) -> tupl
 
 def cost_of(what: Any, choice: tuple[int, ...]) -> float:
     n = len(choice)
-    return sub_problem_cost(*what, np.array(choice), np.zeros(3), np.zeros((n, 2)))
+    return _sub_problem_cost(*what, np.array(choice), np.zeros(3), np.zeros((n, 2)))
 
 
 def check_search(what: Any, reach: FloatArray, furthest: int) -> tuple[int, int]:
@@ -59,15 +63,15 @@ def check_search(what: Any, reach: FloatArray, furthest: int) -> tuple[int, int]
     costs = {choice: cost_of(what, choice) for choice in product(*admitted)}
     start = next(iter(costs))
     multiplier, choice = np.zeros(3), np.array(start)
-    sub_problem_cost(*what, choice, multiplier, np.zeros((n, 2)))
-    found, solved = best_combination(*what, reach, furthest, np.inf, multiplier, choice)
+    _sub_problem_cost(*what, choice, multiplier, np.zeros((n, 2)))
+    found, solved = _best_combination(*what, reach, furthest, np.inf, multiplier, choice)
     best = min(costs.values())
     # 1e-13 of the terms of a bound may be rounding, and bounds are differences.
     assert found == pytest.approx(best, rel=1e-9, abs=1e-9)
     assert costs[tuple(choice.tolist())] == pytest.approx(found, rel=1e-12)
     # With a limit at the optimum there is nothing better, and the choice stands.
     choice[:] = start
-    again, _ = best_combination(*what, reach, furthest, best * (1.0 - 1e-9) - 1e-9, multiplier, choice)
+    again, _ = _best_combination(*what, reach, furthest, best * (1.0 - 1e-9) - 1e-9, multiplier, choice)
     assert again == best * (1.0 - 1e-9) - 1e-9
     assert tuple(choice.tolist()) == start
     return int(solved), len(costs)
