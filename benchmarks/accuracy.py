@@ -17,7 +17,7 @@ from benchmarks.result import Aim, Result
 from marine_model import Vessel, load_vessel
 from marine_model.guards import FloatArray
 from thrust_allocator import Allocator, AllocatorSettings
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.program.problem import AllocationProblem
 
 _SEED = 22
 _CHUNK = 2_000  # instances a task; each task has one vessel state (mode, failures), or a few of the small ones

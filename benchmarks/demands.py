@@ -16,7 +16,7 @@ import numpy as np
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from thrust_allocator import Allocator, AllocatorSettings
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.program.problem import AllocationProblem
 
 SATURATED_SHARE = 1.0 / 3.0
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from marine_model.guards import FloatArray
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.program.problem import AllocationProblem
 
 # 80 bits on x86-64: 64 of them for the digits.
 Extended = NDArray[np.longdouble]

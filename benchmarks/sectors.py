@@ -22,7 +22,7 @@ from benchmarks.sub_problems import OURS, SectorStep, record_sectors, start, sub
 from benchmarks.verdict import TOLERANCE, judge
 from marine_model import Vessel, load_vessel
 from marine_model.guards import FloatArray
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.program.problem import AllocationProblem
 
 _SEED = 21
 _ROW = "sectors_18"

@@ -14,7 +14,7 @@ from marine_model import load_vessel
 from marine_model.compiled import compiled
 from marine_model.guards import FloatArray
 from thrust_allocator.engine import Answer, Engine
-from thrust_allocator.limits import limit_table
+from thrust_allocator.plan.limits import limit_table
 from thrust_allocator.settings import AllocatorSettings
 from thrust_allocator.singularity.avoidance import Avoidance
 from thrust_allocator.singularity.avoidance_thrusters import Thrusters, gain_at, static_cost

@@ -15,7 +15,7 @@ from benchmarks.demands import Step
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from thrust_allocator import Allocator, AllocatorSettings
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.program.problem import AllocationProblem
 from thrust_allocator.sectors import vessel_sectors
 from thrust_allocator.settings import SectorSettings
 

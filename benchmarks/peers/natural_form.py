@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from marine_model.guards import FloatArray
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.program.problem import AllocationProblem
 
 
 class NaturalForm(NamedTuple):

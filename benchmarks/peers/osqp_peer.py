@@ -12,7 +12,7 @@ from scipy import sparse
 from benchmarks.demands import Step
 from benchmarks.peers.natural_form import NaturalForm, natural_form
 from benchmarks.peers.peer import Commands, Peer, PeerMissingError, polar_form, titled
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.program.problem import AllocationProblem
 
 # With the default of 1e-3, forces are wrong by tenths of a newton. These are wrong by thousandths of a newton at most,
 # and time has to be spent for that: a smaller tolerance makes more steps end at the limit of iterations.

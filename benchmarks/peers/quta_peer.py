@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.peers.peer import PeerMissingError
 from marine_model import Vessel
 from marine_model.guards import FloatArray
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.program.problem import AllocationProblem
 from thrust_allocator.sectors import vessel_sectors
 
 # quadprog calls feasible problems inconsistent where weights span 1 to 1e8: all are divided by this part of the

@@ -13,8 +13,8 @@ from typing import Any
 from dp_tools.design_tables import buses, numbers
 from dp_tools.run_files import FolderError
 from marine_model import Vessel
-from thrust_allocator.design import Study, bus_losses
-from thrust_allocator.design_maps import GainMap, MapCase
+from thrust_allocator.design.loop import Study, bus_losses
+from thrust_allocator.design.maps import GainMap, MapCase
 
 
 @dataclass(frozen=True)

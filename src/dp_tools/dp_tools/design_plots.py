@@ -15,8 +15,8 @@ from dp_tools.report import style
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from thrust_allocator.attainable import AXES, force_set, projection, section
-from thrust_allocator.design import Study
-from thrust_allocator.design_maps import GainMap, MapCase
+from thrust_allocator.design.loop import Study
+from thrust_allocator.design.maps import GainMap, MapCase
 
 _DPI = 130
 # Even steps look even, in grey too, and to colour-blind readers.

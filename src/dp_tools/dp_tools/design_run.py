@@ -16,8 +16,8 @@ from dp_tools.run_files import FolderError
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
-from thrust_allocator.design import Study, bus_losses, study, study_rows
-from thrust_allocator.design_maps import GainMap, MapCase, map_cases, work_out
+from thrust_allocator.design.loop import Study, bus_losses, study, study_rows
+from thrust_allocator.design.maps import GainMap, MapCase, map_cases, work_out
 
 
 def run_design(console: Console, vessel: Vessel, degrees: str, maps: bool, output: Path | None) -> None:

@@ -9,7 +9,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from marine_model import Vessel
-from thrust_allocator.design import BusLoss, Split, Study
+from thrust_allocator.design.loop import BusLoss, Split, Study
 
 
 def numbers(thrusters: Sequence[int]) -> str:

@@ -15,19 +15,19 @@ from marine_model.gains import FixedRotatingGains, SectorGains
 from marine_model.guards import FloatArray, finite_vector, positive_number
 from thrust_allocator.cost import propeller_weights, reweight, thrust_floor
 from thrust_allocator.engine import Answer, Engine
-from thrust_allocator.limits import Feathering, limit_table
 from thrust_allocator.mode_supervisor import AzimuthMode, ModeState, next_mode
 from thrust_allocator.monitoring import Monitoring
-from thrust_allocator.phase import LOST, Limit
-from thrust_allocator.polar import Command
+from thrust_allocator.plan.limits import Feathering, limit_table
+from thrust_allocator.plan.phase import LOST, Limit
+from thrust_allocator.plan.polar import Command
 from thrust_allocator.power import PowerLimiter, PowerReport
-from thrust_allocator.problem import AllocationProblem, Coupling
+from thrust_allocator.program.problem import AllocationProblem, Coupling
+from thrust_allocator.program.solution import Solution
 from thrust_allocator.proportional import attainable_share
 from thrust_allocator.result import AllocationResult, Status
 from thrust_allocator.sectors import SectorControl, SectorReport, switching_rule
 from thrust_allocator.settings import AllocatorSettings, check_settings
 from thrust_allocator.singularity.avoidance import Avoidance, AvoidanceReport
-from thrust_allocator.solution import Solution
 
 # Demands beyond this multiple of all thrust and moment there is go to the solver along their direction at this size:
 # everything is saturated either way, and the arithmetic keeps its precision.

@@ -8,15 +8,15 @@ import numpy as np
 
 from marine_model import Vessel
 from marine_model.guards import FloatArray
-from thrust_allocator.active_set_solver import NAME, solution_of
-from thrust_allocator.daqp_solver import DaqpSolver
-from thrust_allocator.phase import Limit, Plan, plan_thrusters
-from thrust_allocator.polar import Command, commands
-from thrust_allocator.polygon import CORNERS
-from thrust_allocator.problem import AllocationProblem, Coupling, Weights
-from thrust_allocator.solution import Solution
-from thrust_allocator.solver import Solver
-from thrust_allocator.solvers import make_solver
+from thrust_allocator.plan.phase import Limit, Plan, plan_thrusters
+from thrust_allocator.plan.polar import Command, commands
+from thrust_allocator.plan.polygon import CORNERS
+from thrust_allocator.program.active_set_solver import NAME, solution_of
+from thrust_allocator.program.daqp_solver import DaqpSolver
+from thrust_allocator.program.problem import AllocationProblem, Coupling, Weights
+from thrust_allocator.program.solution import Solution
+from thrust_allocator.program.solver import Solver
+from thrust_allocator.program.solvers import make_solver
 from thrust_allocator.step import Total, add_up, allocate
 
 # An answer is used when its residuals are below these shares: of the vessel's thrust for distances, of the gradient

@@ -7,8 +7,8 @@ import numpy as np
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from thrust_allocator.attainable import Margin, ThrustMargin
-from thrust_allocator.phase import LOST, ROTATING, Limit
-from thrust_allocator.polar import Command
+from thrust_allocator.plan.phase import LOST, ROTATING, Limit
+from thrust_allocator.plan.polar import Command
 from thrust_allocator.settings import AllocatorSettings
 from thrust_allocator.singularity import (
     MinimumGain,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from marine_model.guards import FloatArray
-from thrust_allocator.active_set import solve
 from thrust_allocator.engine import Answer, Engine
-from thrust_allocator.polygon import CORNERS
+from thrust_allocator.plan.polygon import CORNERS
+from thrust_allocator.program.active_set import solve
 from thrust_allocator.step import set_polygons
 
 # The demand given up costs this many times what all thrusters cost at full span, so that no thrust is saved by giving

@@ -8,14 +8,14 @@ from enum import StrEnum
 from marine_model.guards import FloatArray
 from thrust_allocator.attainable import Margin
 from thrust_allocator.monitoring import Monitoring
-from thrust_allocator.phase import Phase
-from thrust_allocator.polar import Command
+from thrust_allocator.plan.phase import Phase
+from thrust_allocator.plan.polar import Command
 from thrust_allocator.power.limiter import PowerReport
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.program.problem import AllocationProblem
+from thrust_allocator.program.solution import Solution
 from thrust_allocator.sectors.control import SectorReport
 from thrust_allocator.singularity import MinimumGain, MonitorReading
 from thrust_allocator.singularity.avoidance import AvoidanceReport
-from thrust_allocator.solution import Solution
 from thrust_allocator.step import Total
 
 _PHASES = tuple(Phase)

@@ -10,9 +10,9 @@ from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.schema import Fraction
 from marine_model.settings import Settings, setting
-from thrust_allocator.active_set_solver import NAME
+from thrust_allocator.program.active_set_solver import NAME
+from thrust_allocator.program.solvers import check_solver
 from thrust_allocator.singularity.settings import SingularitySettings, limits_of
-from thrust_allocator.solvers import check_solver
 
 Switches = Annotated[tuple[bool, ...], Field(strict=False)]
 Fractions = Annotated[tuple[Fraction, ...], Field(strict=False)]

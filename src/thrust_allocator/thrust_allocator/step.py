@@ -6,10 +6,10 @@ from math import cos, sin
 
 from marine_model.compiled import compiled
 from marine_model.guards import FloatArray
-from thrust_allocator.active_set import IntArray, polish, solve
-from thrust_allocator.phase import LOST, ROTATING, plan_thrusters
-from thrust_allocator.polar import commands
-from thrust_allocator.polygon import rotating_corners
+from thrust_allocator.plan.phase import LOST, ROTATING, plan_thrusters
+from thrust_allocator.plan.polar import commands
+from thrust_allocator.plan.polygon import rotating_corners
+from thrust_allocator.program.active_set import IntArray, polish, solve
 
 
 class Total:

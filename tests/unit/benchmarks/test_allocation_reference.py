@@ -12,8 +12,8 @@ from benchmarks.demands import demand_in_waves, record
 from benchmarks.reference import Batch, optima, optimum
 from marine_model import load_vessel
 from thrust_allocator import AllocatorSettings
-from thrust_allocator.phase import Phase, Plan
-from thrust_allocator.problem import AllocationProblem, Weights
+from thrust_allocator.plan.phase import Phase, Plan
+from thrust_allocator.program.problem import AllocationProblem, Weights
 
 VESSEL = load_vessel("cybership3")
 

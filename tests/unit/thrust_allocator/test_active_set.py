@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from numpy.random import Generator
 
 from marine_model.guards import FloatArray
-from thrust_allocator.active_set import IntArray, polish, solve
-from thrust_allocator.polygon import rotating_corners
-from thrust_allocator.projection import project
+from thrust_allocator.plan.polygon import rotating_corners
+from thrust_allocator.program.active_set import IntArray, polish, solve
+from thrust_allocator.program.projection import project
 
 INSTANCES = 10_000
 CORNERS = 24

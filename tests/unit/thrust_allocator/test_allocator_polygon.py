@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from marine_model.frames import wrap_angle
-from thrust_allocator.polygon import Row, rotating_rows
+from thrust_allocator.plan.polygon import Row, rotating_rows
 
 ANGLES = st.floats(-math.pi, math.pi)
 TURNS = st.floats(0.01, math.pi / 3)

@@ -9,7 +9,7 @@ import pytest
 
 from marine_model import load_vessel
 from thrust_allocator import AllocationProblem, Allocator, AllocatorSettings, Coupling, Phase, Weights, judge
-from thrust_allocator.polygon import rotating_rows
+from thrust_allocator.plan.polygon import rotating_rows
 
 VESSEL = load_vessel("cybership3")
 DT = 0.2

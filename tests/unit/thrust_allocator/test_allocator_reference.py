@@ -13,8 +13,8 @@ from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from support.allocation_reference import reference
 from thrust_allocator import Allocator, AllocatorSettings, Status, solver_names
-from thrust_allocator.phase import Phase
-from thrust_allocator.polar import rotating_command
+from thrust_allocator.plan.phase import Phase
+from thrust_allocator.plan.polar import rotating_command
 
 VESSEL = load_vessel("cybership3")
 DT = 0.2

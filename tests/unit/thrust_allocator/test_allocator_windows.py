@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thrust_allocator.windows import step_window
+from thrust_allocator.plan.windows import step_window
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ from marine_model.errors import InputError
 from marine_model.frames import wrap_angles
 from marine_model.guards import FloatArray
 from thrust_allocator.engine import Answer, Engine
-from thrust_allocator.limits import limit_table
-from thrust_allocator.phase import Limit
+from thrust_allocator.plan.limits import limit_table
+from thrust_allocator.plan.phase import Limit
 from thrust_allocator.settings import AllocatorSettings
 from thrust_allocator.singularity import minimum_gain, scaled_configuration, scaling_of
 from thrust_allocator.singularity.avoidance import Avoidance, AvoidanceReport

@@ -10,8 +10,8 @@ import pytest
 
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
-from thrust_allocator.design import MOST_THRUSTERS, bus_losses, study, study_rows
-from thrust_allocator.design_maps import MapCase, map_cases, work_out
+from thrust_allocator.design.loop import MOST_THRUSTERS, bus_losses, study, study_rows
+from thrust_allocator.design.maps import MapCase, map_cases, work_out
 
 VESSEL = load_vessel("cybership3_ch7")
 FREE = study(VESSEL)

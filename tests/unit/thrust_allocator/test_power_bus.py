@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from marine_model import load_vessel
-from thrust_allocator.polygon import rotating_rows
+from thrust_allocator.plan.polygon import rotating_rows
+from thrust_allocator.plan.windows import step_window
 from thrust_allocator.power import BusRowKind, bus_row, phase_back, tangent_excess, total_power
 from thrust_allocator.power.bus import TANGENT_EXCESS, line_above, power_of, rotating_vertices
-from thrust_allocator.windows import step_window
 
 VESSEL = load_vessel("cybership3")
 M = VESSEL.propellers.power_per_thrust_3_2

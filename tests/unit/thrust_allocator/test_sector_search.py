@@ -13,8 +13,8 @@ from marine_model import Vessel, load_vessel
 from marine_model.frames import wrap_angle, wrap_angles
 from marine_model.guards import FloatArray
 from thrust_allocator import Allocator, AllocatorSettings, Phase
-from thrust_allocator.active_set import polish, solve
-from thrust_allocator.limits import limit_table
+from thrust_allocator.plan.limits import limit_table
+from thrust_allocator.program.active_set import polish, solve
 from thrust_allocator.sectors import Reach, factor_at, path_to, vessel_sectors
 from thrust_allocator.sectors.pieces import Pieces
 from thrust_allocator.sectors.search import best_combination, sub_problem_cost

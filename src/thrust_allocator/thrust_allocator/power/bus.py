@@ -83,7 +83,7 @@ def tangent_excess(coefficient: FloatArray, member: FloatArray, reach: FloatArra
 def rotating_vertices(
     turn_low: float, turn_high: float, lower: float, upper: float, zero_region: float, out: FloatArray
 ) -> None:
-    """Write points whose convex hull contains the polygon of :func:`thrust_allocator.polygon.rotating_rows`.
+    """Write points whose convex hull contains the polygon of :func:`thrust_allocator.plan.polygon.rotating_rows`.
 
     In the frame of the present direction: x along it, y to starboard of it. They are its vertices, unless the line of
     least thrust cuts those of largest thrust; then the polygon is a part of the hull.

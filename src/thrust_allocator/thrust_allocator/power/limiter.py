@@ -10,12 +10,12 @@ import numpy as np
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from thrust_allocator.engine import Answer, Engine
-from thrust_allocator.phase import LOST, ROTATING, Plan
-from thrust_allocator.polar import Command
+from thrust_allocator.plan.phase import LOST, ROTATING, Plan
+from thrust_allocator.plan.polar import Command
 from thrust_allocator.power.bus import BusRowKind, bus_row
 from thrust_allocator.power.priority import PowerStage, limit_total_power
 from thrust_allocator.power.total import full_power, measured_correction, phase_back, total_power
-from thrust_allocator.problem import Coupling
+from thrust_allocator.program.problem import Coupling
 from thrust_allocator.settings import PowerSettings
 from thrust_allocator.step import Total
 

@@ -11,10 +11,10 @@ from marine_model import Vessel
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
 from marine_model.sector import ANGLE_TOLERANCE
-from thrust_allocator.active_set import IntArray
-from thrust_allocator.phase import FIXED, LOST, ROTATING, Limit, Plan
-from thrust_allocator.polar import Command
-from thrust_allocator.problem import AllocationProblem, Weights
+from thrust_allocator.plan.phase import FIXED, LOST, ROTATING, Limit, Plan
+from thrust_allocator.plan.polar import Command
+from thrust_allocator.program.active_set import IntArray
+from thrust_allocator.program.problem import AllocationProblem, Weights
 from thrust_allocator.sectors.geometry import combinations, factor_at, least_factor, vessel_sectors
 from thrust_allocator.sectors.path import Reach, narrow, nearest_window, reach_table, sector_table
 from thrust_allocator.sectors.pieces import Pieces

@@ -13,7 +13,7 @@ from marine_model.compiled import compiled
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
 from marine_model.sector import ANGLE_TOLERANCE
-from thrust_allocator.phase import Limit
+from thrust_allocator.plan.phase import Limit
 from thrust_allocator.sectors.geometry import ThrusterSectors
 
 IntArray = NDArray[np.int64]

@@ -12,8 +12,8 @@ import math
 import numpy as np
 
 from marine_model.guards import FloatArray
-from thrust_allocator.active_set import IntArray
-from thrust_allocator.phase import Limit
+from thrust_allocator.plan.phase import Limit
+from thrust_allocator.program.active_set import IntArray
 from thrust_allocator.sectors.geometry import ThrusterSectors, Window
 
 # The arc of largest thrust is cut by chords of at most this width: 0.9 % of the thrust at their middle.

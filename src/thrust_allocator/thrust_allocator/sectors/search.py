@@ -16,8 +16,8 @@ import numpy as np
 
 from marine_model.compiled import compiled
 from marine_model.guards import FloatArray
-from thrust_allocator.active_set import IntArray, pull_of, solve
-from thrust_allocator.projection import project
+from thrust_allocator.program.active_set import IntArray, pull_of, solve
+from thrust_allocator.program.projection import project
 from thrust_allocator.sectors.supervisor import limits_of_cost
 
 # Sets of multipliers that are kept; the last ones replace the last place.

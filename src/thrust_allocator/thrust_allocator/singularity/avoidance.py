@@ -17,8 +17,8 @@ from marine_model.errors import InputError
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray, positive_number
 from thrust_allocator.engine import Answer, Engine
-from thrust_allocator.phase import Limit
-from thrust_allocator.polar import Command
+from thrust_allocator.plan.phase import Limit
+from thrust_allocator.plan.polar import Command
 from thrust_allocator.singularity.avoidance_descent import descend
 from thrust_allocator.singularity.avoidance_detour import find_detour
 from thrust_allocator.singularity.avoidance_route import Route, find_route, toll_of

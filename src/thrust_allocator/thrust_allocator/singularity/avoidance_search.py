@@ -9,7 +9,7 @@ import numpy as np
 from marine_model.compiled import compiled
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
-from thrust_allocator.active_set import IntArray
+from thrust_allocator.program.active_set import IntArray
 from thrust_allocator.singularity.avoidance_descent import descend
 from thrust_allocator.singularity.avoidance_thrusters import Thrusters, gain_at, static_cost
 

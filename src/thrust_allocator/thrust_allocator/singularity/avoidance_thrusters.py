@@ -9,8 +9,8 @@ import numpy as np
 
 from marine_model.compiled import compiled
 from marine_model.guards import FloatArray
-from thrust_allocator.active_set import IntArray, solve
-from thrust_allocator.polygon import CORNERS
+from thrust_allocator.plan.polygon import CORNERS
+from thrust_allocator.program.active_set import IntArray, solve
 from thrust_allocator.singularity.theorem import svd_gain
 
 _SMALLEST_GAIN = 1e-9  # below it the gradient of a gain is not divided by it

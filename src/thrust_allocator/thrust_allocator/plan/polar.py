@@ -6,7 +6,7 @@ from math import atan2, cos, hypot, sin
 
 from marine_model.compiled import compiled
 from marine_model.guards import FloatArray
-from thrust_allocator.phase import CROSSING, IDLE_SHARE, LOST, ROTATING, TURNING, wrap
+from thrust_allocator.plan.phase import CROSSING, IDLE_SHARE, LOST, ROTATING, TURNING, wrap
 
 # Share of a thruster's span, and angle in rad, within which a command counts as being on its limit.
 _AT_LIMIT = 1e-7

@@ -7,7 +7,7 @@ from enum import IntEnum
 from marine_model.compiled import compiled
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
-from thrust_allocator.windows import LARGEST_TURN, step_window
+from thrust_allocator.plan.windows import LARGEST_TURN, step_window
 
 # Share of the zero region within which a thrust counts as having left it; see `Phase.HELD`.
 _RELEASE_MARGIN = 1e-6

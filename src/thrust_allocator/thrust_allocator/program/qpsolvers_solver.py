@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from thrust_allocator.problem import AllocationProblem
-from thrust_allocator.solution import Solution, judge
-from thrust_allocator.solver import Solver
+from thrust_allocator.program.problem import AllocationProblem
+from thrust_allocator.program.solution import Solution, judge
+from thrust_allocator.program.solver import Solver
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,7 @@ import numpy as np
 
 from marine_model.compiled import compiled
 from marine_model.guards import FloatArray
-from thrust_allocator.projection import project
+from thrust_allocator.program.projection import project
 
 IntArray = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-from thrust_allocator.problem import AllocationProblem
-from thrust_allocator.solution import Solution
+from thrust_allocator.program.problem import AllocationProblem
+from thrust_allocator.program.solution import Solution
 
 
 class Solver(ABC):

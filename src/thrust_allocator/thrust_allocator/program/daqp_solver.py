@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import daqp
 
-from thrust_allocator.problem import AllocationProblem
-from thrust_allocator.solution import Solution, judge
-from thrust_allocator.solver import Solver
+from thrust_allocator.program.problem import AllocationProblem
+from thrust_allocator.program.solution import Solution, judge
+from thrust_allocator.program.solver import Solver
 
 # daqp measures its primal tolerance in the norm that H defines, in which a force weighs as much as in W_u or more:
 # 1e-10 is about 1e-10 N. Demands far beyond the vessel are numbers in that norm that are not exact to 1e-10, and daqp

@@ -7,7 +7,7 @@ import numpy as np
 from marine_model import Vessel
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
-from thrust_allocator.phase import Limit
+from thrust_allocator.plan.phase import Limit
 from thrust_allocator.settings import AllocatorSettings
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from marine_model.thruster_configuration import polar_configuration
-from thrust_allocator.active_set import IntArray
-from thrust_allocator.phase import LOST, ROTATING
-from thrust_allocator.polygon import CORNERS, rotating_rows
+from thrust_allocator.plan.phase import LOST, ROTATING
+from thrust_allocator.plan.polygon import CORNERS, rotating_rows
+from thrust_allocator.program.active_set import IntArray
 from thrust_allocator.step import set_polygons
 
 # Smallest weight of a slack in the slack form. At 1, first-order solvers stop up to 0.08 N from the optimum along

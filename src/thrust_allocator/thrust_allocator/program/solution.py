@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from marine_model.guards import FloatArray
-from thrust_allocator.problem import AllocationProblem
+from thrust_allocator.program.problem import AllocationProblem
 
 # Beyond this, sums of squares overflow; no force is that large.
 _LARGEST = 1e100

@@ -6,10 +6,10 @@ import numpy as np
 from scipy.optimize import nnls
 
 from marine_model.guards import FloatArray
-from thrust_allocator.active_set import polish, pull_of, solve
-from thrust_allocator.problem import AllocationProblem
-from thrust_allocator.solution import Solution, judge
-from thrust_allocator.solver import Solver
+from thrust_allocator.program.active_set import polish, pull_of, solve
+from thrust_allocator.program.problem import AllocationProblem
+from thrust_allocator.program.solution import Solution, judge
+from thrust_allocator.program.solver import Solver
 
 NAME = "active_set"
 
@@ -18,7 +18,7 @@ _ACTIVE = 1e-9
 
 
 class ActiveSetSolver(Solver):
-    """See :mod:`thrust_allocator.active_set`. Cannot solve a problem with shared limits."""
+    """See :mod:`thrust_allocator.program.active_set`. Cannot solve a problem with shared limits."""
 
     @property
     def name(self) -> str:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from marine_model.errors import InputError
-from thrust_allocator.active_set_solver import NAME, ActiveSetSolver
-from thrust_allocator.daqp_solver import DaqpSolver
-from thrust_allocator.qpsolvers_solver import QpsolversSolver, installed
-from thrust_allocator.solver import Solver
+from thrust_allocator.program.active_set_solver import NAME, ActiveSetSolver
+from thrust_allocator.program.daqp_solver import DaqpSolver
+from thrust_allocator.program.qpsolvers_solver import QpsolversSolver, installed
+from thrust_allocator.program.solver import Solver
 
 
 def solver_names() -> tuple[str, ...]:

@@ -1,0 +1,1 @@
+"""The quadratic program of one step as an object, and what solves it."""
