@@ -161,9 +161,9 @@ def optima(problems: Sequence[AllocationProblem]) -> list[FloatArray]:
     ValueError
         If one could not be verified.
     """
-    groups: dict[tuple[tuple[int, ...], tuple[int, ...]], list[int]] = {}
+    groups: dict[tuple[tuple[int, ...], tuple[int, ...], int], list[int]] = {}
     for i, problem in enumerate(problems):
-        groups.setdefault((problem.fixed, problem.rotating), []).append(i)
+        groups.setdefault((problem.fixed, problem.rotating, len(problem.A)), []).append(i)
     found: list[FloatArray] = [np.zeros(0)] * len(problems)
     for places in groups.values():
         answer = optimum(Batch.of([problems[i] for i in places]))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import yaml
 from mcap.writer import Writer
+from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
@@ -42,6 +43,14 @@ def _store() -> Typestore:
         name = f"dp_msgs/msg/{path.stem}"
         store.register(get_types_from_msg(path.read_text(encoding="utf-8"), name))
     return store
+
+
+def _empty(form: Any) -> Any:
+    kind, detail = form
+    if kind is Nodetype.BASE:
+        return {"string": "", "bool": False}.get(detail[0], 0.0 if detail[0].startswith("float") else 0)
+    (_, (base, _)), length = detail
+    return np.zeros(length, dtype=bool if base == "bool" else base)
 
 
 class BagOfRun:
@@ -96,7 +105,9 @@ class BagOfRun:
             yield "actuator_setpoint", stamp, self._actuator_setpoint(k, stamp)
 
     def _make(self, kind: str, **fields: Any) -> Any:
-        return self._store.types[kind](**fields)
+        """Return a message; numbers and texts that are not given are zero and empty."""
+        rest = {name: _empty(form) for name, form in self._store.fielddefs[kind][1] if name not in fields}
+        return self._store.types[kind](**fields, **rest)
 
     def _stamp(self, stamp: int) -> Any:
         sec, nanosec = divmod(stamp + self._start, NANOSECONDS)

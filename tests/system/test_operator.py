@@ -116,7 +116,7 @@ def test_a_whole_number_does_for_a_real_one(dp_here: Dp, one: Operator) -> None:
 @pytest.mark.parametrize(
     ("node", "words", "reason"),
     [
-        ("thrust_allocator", ("azimuth_mode", "sideways"), "azimuth_mode: Input should be 'fixed' or 'rotating'"),
+        ("thrust_allocator", ("azimuth_mode", "sideways"), "azimuth_mode: Input should be 'fixed', 'rotating'"),
         ("thrust_allocator", ("thruster_enabled", "[true]"), "thruster_enabled: expected 4 elements"),
         ("thrust_allocator", ("solver", "guess"), "guess"),
         ("dp_controller", ("mode", "autopilot"), "found 'autopilot'"),
@@ -142,7 +142,7 @@ def test_a_refused_value_gives_the_reason_and_keeps_the_old_one(
 def test_a_refusal_is_one_plain_text_and_exit_code_one(dp_here: Dp) -> None:
     code, output = dp_here("param", "set", "thrust_allocator", "azimuth_mode", "sideways")
     assert code == 1
-    assert output.startswith("error: node thrust_allocator: azimuth_mode: Input should be 'fixed' or 'rotating'")
+    assert output.startswith("error: node thrust_allocator: azimuth_mode: Input should be 'fixed', 'rotating'")
     assert "Traceback" not in output
 
 

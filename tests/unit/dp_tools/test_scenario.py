@@ -160,8 +160,8 @@ def test_start_parameters_hold_the_seed(tmp_path: Path) -> None:
             "azimuth_mode: rotating",
             "azimuth_mode: sideways",
             "azimuth_mode",
-            "events.1.parameters.thrust_allocator.azimuth_mode: azimuth_mode: Input should be 'fixed' or 'rotating', "
-            "found 'sideways'",
+            "events.1.parameters.thrust_allocator.azimuth_mode: azimuth_mode: Input should be 'fixed', "
+            "'rotating', 'variable' or 'auto', found 'sideways'",
         ),
         (
             "dp_controller: {mode: setpoint}",
