@@ -27,6 +27,10 @@ class SectorAllocator(ABC):
     def step(self, tau: FloatArray, dt: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return thrust (N), direction (rad), shape (n,), and slack, shape (3,); timed."""
 
+    @abstractmethod
+    def optimum(self, tau: FloatArray) -> float:
+        """Return the least cost of all sub-problems; timed."""
+
     @property
     @abstractmethod
     def cost(self) -> float:
@@ -68,6 +72,10 @@ class OurSectors(SectorAllocator):
             raise ValueError("the allocator does not keep the sectors")
         self._cost = result.sectors.cost
         return result.thrust, result.azimuth, result.slack
+
+    def optimum(self, tau: FloatArray) -> float:
+        """Return the least cost of all sub-problems."""
+        return self._allocator.cheapest_windows(tau)[0]
 
     @property
     def cost(self) -> float:

@@ -112,6 +112,18 @@ class Allocator:
             return []
         return self._sectors.problems(self._engine.weights, self._answer.tau)
 
+    def cheapest_windows(self, tau_desired: ArrayLike) -> tuple[float, tuple[int, ...]]:
+        """Return the least cost of all sub-problems for a demand, and the window of every thruster there.
+
+        For thrusters as they rotate or not since the last step with sectors. The supervisor may well stay elsewhere.
+
+        Raises
+        ------
+        InputError
+            If the demand has the wrong shape or is not finite.
+        """
+        return self._sectors.optimum(self._weight, finite_vector("tau_desired", tau_desired, 3))
+
     def apply(self, settings: AllocatorSettings) -> None:
         """Swap the settings whole; they hold from the next step on.
 

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 from marine_model import Vessel, load_vessel
+from marine_model.errors import InputError
 from marine_model.frames import wrap_angle, wrap_angles
 from marine_model.guards import FloatArray
 from thrust_allocator import Allocator, AllocatorSettings, Phase
 from thrust_allocator.plan.limits import limit_table
 from thrust_allocator.program.active_set import polish, solve
+from thrust_allocator.program.solvers import make_solver
 from thrust_allocator.sectors import Reach, factor_at, path_to, vessel_sectors
 from thrust_allocator.sectors.pieces import Pieces
 from thrust_allocator.sectors.search import best_combination, sub_problem_cost
@@ -291,3 +293,25 @@ def test_no_demand_turns_nothing() -> None:
             assert result.sectors is not None
             assert before.sectors is not None
             assert result.sectors.windows == before.sectors.windows
+
+
+def test_cheapest_windows_are_those_of_all_sub_problems_and_change_nothing() -> None:
+    vessel = load_vessel("cybership3")
+    settings = AllocatorSettings.for_vessel(vessel, azimuth_mode="rotating", sectors=SectorSettings(enabled=True))
+    asked, other = Allocator(vessel, settings), Allocator(vessel, settings)
+    random, solver = np.random.default_rng(3), make_solver("daqp")
+    for _ in range(40):
+        tau = random.normal(size=3) * [8.0, 6.0, 4.0]
+        np.testing.assert_array_equal(asked.step(tau, 0.2).commands, other.step(tau, 0.2).commands)
+        costs = []
+        for problem in asked.sub_problems():
+            solution = solver.solve(problem)
+            assert solution is not None
+            costs.append(2.0 * problem.objective(solution.z))
+        cost, windows = asked.cheapest_windows(tau)
+        assert len(costs) == 18
+        assert cost == pytest.approx(min(costs), rel=1e-9)
+        number = 9 * windows[1] + 3 * windows[2] + windows[3]
+        assert costs[number] == pytest.approx(cost, rel=1e-9)
+    with pytest.raises(InputError, match="tau_desired"):
+        asked.cheapest_windows([1.0, 2.0])

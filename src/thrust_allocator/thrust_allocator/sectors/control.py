@@ -18,7 +18,7 @@ from thrust_allocator.program.problem import AllocationProblem, Weights
 from thrust_allocator.sectors.geometry import combinations, factor_at, least_factor, vessel_sectors
 from thrust_allocator.sectors.path import Reach, narrow, nearest_window, reach_table, sector_table
 from thrust_allocator.sectors.pieces import Pieces
-from thrust_allocator.sectors.search import survey
+from thrust_allocator.sectors.search import best_combination, survey
 from thrust_allocator.sectors.supervisor import (
     Candidate,
     SupervisorState,
@@ -168,6 +168,23 @@ class SectorControl:
             limits[j, Limit.FACTOR] = self._factor(j, limits[j], float(azimuth[j]), dt)
         self._crossing = tuple((limits[:, Limit.TO_WINDOW] != 0.0).tolist()) if outside else self._none_crossing
         return SectorReport(self._number, state.windows, cost, self._crossing, solved)
+
+    def optimum(self, weight: FloatArray, tau: FloatArray) -> tuple[float, tuple[int, ...]]:
+        """Return the least cost of all combinations and its windows, however far they are; nothing is changed.
+
+        Parameters
+        ----------
+        weight
+            Diagonal of W_u^2, shape (n,).
+        tau
+            Demanded generalized force, shape (3,).
+        """
+        pieces, choice = self._pieces, self._chosen.copy()
+        reach = np.zeros(len(pieces.count), dtype=np.int64)
+        reach[self._barred] = _OUT_OF_REACH
+        what = (self._columns, weight, self._compliance, tau, pieces.corners, pieces.count, pieces.first)
+        cost, _ = best_combination(*what, reach, int(Reach.CROSS), np.inf, self._multiplier, choice)
+        return cost, tuple(choice.tolist())
 
     def problems(self, weights: Weights, tau: FloatArray) -> list[AllocationProblem]:
         """Return the sub-problems of all combinations as objects, in the order of Table 6.1, as they stand.
