@@ -19,7 +19,6 @@ from datetime import UTC, datetime
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dp_controller import Controller, ControllerInputs, ControllerSettings
 from dp_observer import Observer, ObserverInputs, ObserverSettings
@@ -142,14 +141,6 @@ class ClosedLoop:
             raise TypeError(f"{node}: expected {kind.__name__}, found {type(settings).__name__}")
         return settings
 
-    def _limits_power(self) -> bool:
-        power = self._allocator.settings.power
-        return power.limit != "none" and power.measured
-
-    def _counted(self) -> NDArray[np.bool_]:
-        """Return which thrusters count for the measured power: those that are not lost."""
-        return np.array(self._allocator.settings.thruster_enabled or (True,) * len(self._thrust), dtype=np.bool_)
-
     def _tick_at(self, seconds: float) -> int:
         return round(_nanoseconds(seconds) / self._step_ns)
 
@@ -217,8 +208,10 @@ class ClosedLoop:
         demand = self._controller.step(
             ControllerInputs(position, estimate.velocity, self._tau_achieved, estimate.valid), elapsed
         )
-        if k and self._limits_power():
-            self._allocator.measure_power(float(self._log.rows["power"][k - 1][self._counted()].sum()))
+        settings = self._allocator.settings
+        if k and settings.power.needs_measurement:
+            power = self._log.rows["power"][k - 1]
+            self._allocator.measure_power(float(power[settings.enabled(self._vessel)].sum()))
         answer = self._allocator.step(demand.tau_desired, elapsed)
         self._tau_achieved = answer.tau_achieved
         self._thrust, self._azimuth = answer.thrust, answer.azimuth

@@ -97,11 +97,6 @@ class Engine:
         self._solver: Solver = make_solver(NAME)
         self._second = DaqpSolver()
 
-    @property
-    def solver(self) -> str:
-        """Name of the solver in use."""
-        return self._solver.name
-
     def use(self, solver: str) -> None:
         """Choose the solver by name. Raises InputError."""
         if solver != self._solver.name:

@@ -68,7 +68,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         """Hand changed settings to the core; they hold from the next demand on."""
         self._core.apply(settings)
         self._hear_feedback()
-        if self._held is not None and not self._needs_power():
+        if self._held is not None and not self.settings.power.needs_measurement:
             self._answer_held()
 
     def started(self) -> None:
@@ -87,13 +87,9 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._tally.reported()
         return health
 
-    def _needs_power(self) -> bool:
-        power = self.settings.power
-        return power.limit != "none" and power.measured
-
     def _hear_feedback(self) -> None:
         """Listen to thruster_feedback where it is needed; it comes ten times as often as demands do."""
-        if not self._hears_feedback and (self._initial == "feedback" or self._needs_power()):
+        if not self._hears_feedback and (self._initial == "feedback" or self.settings.power.needs_measurement):
             self._hears_feedback = True
             self.listen(ThrusterFeedback, "thruster_feedback", self._on_feedback)
 
@@ -106,7 +102,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._tally = Tally()
 
     def _on_feedback(self, message: Any) -> None:
-        if self._needs_power():
+        if self.settings.power.needs_measurement:
             self._powers.append((to_nanoseconds(message.header.stamp), None))
             try:
                 power = finite_vector("thruster_feedback: power", message.power, len(self._names))
@@ -137,8 +133,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         for at, power in reversed(self._powers):
             if at < stamp:
                 if power is not None:
-                    enabled = np.array(self.settings.thruster_enabled or (True,) * len(self._names), dtype=np.bool_)
-                    self._core.measure_power(float(power[enabled].sum()))
+                    self._core.measure_power(float(power[self.settings.enabled(self.vessel)].sum()))
                 return
 
     def _needed(self, demand: Any) -> int:
@@ -160,7 +155,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             raise InputError("tau_desired: refused until the first thruster_feedback says where the thrusters point")
         # In lockstep the measured power is the same in every run, so that a demand waits for it. Before the first
         # demand there has been none.
-        if self.synchronous and self._needs_power() and self._stamps.last is not None:
+        if self.synchronous and self.settings.power.needs_measurement and self._stamps.last is not None:
             latest = self._powers[-1][0] if self._powers else None
             if latest is None or latest < self._needed(message):
                 if self._held is not None:
@@ -172,7 +167,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
     def _answer(self, message: Any) -> None:
         stamp = message.header.stamp
         dt = self._stamps.step(stamp, self.vessel.measurement.sample_time)
-        if self._needs_power():
+        if self.settings.power.needs_measurement:
             self._measure_power(to_nanoseconds(stamp))
         wrench = message.wrench
         result = self._core.step((wrench.force.x, wrench.force.y, wrench.torque.z), dt)

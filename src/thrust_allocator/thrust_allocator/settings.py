@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from marine_model import Vessel
@@ -57,6 +59,11 @@ class PowerSettings(Settings):
     )
     measured: bool = setting(True, "Correct the prediction by the power that thruster_feedback tells, (4.44)")
 
+    @property
+    def needs_measurement(self) -> bool:
+        """Whether the measured power has a say."""
+        return self.limit != "none" and self.measured
+
 
 class AllocatorSettings(Settings):
     """Settings of :class:`~thrust_allocator.allocator.Allocator`.
@@ -108,6 +115,10 @@ class AllocatorSettings(Settings):
     sectors: SectorSettings = Field(default=SectorSettings())
     power: PowerSettings = Field(default=PowerSettings())
     singularity: SingularitySettings = Field(default=SingularitySettings())
+
+    def enabled(self, vessel: Vessel) -> NDArray[np.bool_]:
+        """Return which thrusters are not lost, shape (n,)."""
+        return np.array(self.thruster_enabled or (True,) * len(vessel.thrusters), dtype=np.bool_)
 
     @classmethod
     def for_vessel(cls, vessel: Vessel, **overrides: Any) -> Self:

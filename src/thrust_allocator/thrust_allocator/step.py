@@ -6,10 +6,13 @@ from math import cos, sin
 
 from marine_model.compiled import compiled
 from marine_model.guards import FloatArray
-from thrust_allocator.plan.phase import LOST, ROTATING, plan_thrusters
+from thrust_allocator.plan.phase import LOST, ROTATING, Limit, plan_thrusters
 from thrust_allocator.plan.polar import commands
 from thrust_allocator.plan.polygon import rotating_corners
 from thrust_allocator.program.active_set import IntArray, polish, solve
+
+# Compiled functions know plain numbers only.
+_SPAN = Limit.SPAN
 
 
 class Total:
@@ -114,7 +117,7 @@ def allocate(
     set_polygons(plans, zero_region, corners, count)
     steps = solve(B, weight, corners, count, compliance, tau, multiplier, force, face, work)
     left = polish(B, weight, corners, count, compliance, tau, multiplier, force, face, work, gradient)
-    commands(plans, limits[:, 9], force, table)
+    commands(plans, limits[:, _SPAN], force, table)
     add_up(B, weight, compliance, power_factor, tau, table, totals)
     totals[len(tau) + 3] = left
     return steps

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from marine_model import load_vessel
-from thrust_allocator.plan.polygon import rotating_rows
+from thrust_allocator.plan.polygon import rotating_corners, rotating_rows
 from thrust_allocator.plan.windows import step_window
 from thrust_allocator.power import BusRowKind, bus_row, phase_back, tangent_excess, total_power
-from thrust_allocator.power.bus import TANGENT_EXCESS, line_above, power_of, rotating_vertices
+from thrust_allocator.power.bus import TANGENT_EXCESS, line_above, power_of
 
 VESSEL = load_vessel("cybership3")
 M = VESSEL.propellers.power_per_thrust_3_2
@@ -146,7 +146,7 @@ def test_vertices_are_those_of_the_polygon() -> None:
     points = np.empty((5, 2))
     ahead, side = np.array([math.cos(azimuth), math.sin(azimuth)]), np.array([-math.sin(azimuth), math.cos(azimuth)])
     rows = corners(-0.004, upper, turn, azimuth)
-    rotating_vertices(-turn, turn, -0.004, upper, C2, points)
+    assert rotating_corners(0.0, -turn, turn, -0.004, upper, C2, points) == 5
     for x, y in points:
         z = x * ahead + y * side
         residuals = sorted(abs(a * z[0] + b * z[1] - c) for a, b, c in rows)

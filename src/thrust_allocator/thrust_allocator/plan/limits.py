@@ -18,7 +18,7 @@ def limit_table(vessel: Vessel, settings: AllocatorSettings) -> FloatArray:
     span = vessel.thrust_max - vessel.thrust_min
     scale = np.array(settings.thrust_limit_scale or (1.0,) * n)
     turning = np.array(settings.azimuth_enabled or (True,) * n)
-    table[:, Limit.ENABLED] = settings.thruster_enabled or (True,) * n
+    table[:, Limit.ENABLED] = settings.enabled(vessel)
     # A thruster whose azimuth rate is scaled to nothing is one that cannot turn.
     rate = vessel.azimuth_rate * np.array(settings.azimuth_rate_scale or (1.0,) * n)
     table[:, Limit.MAY_ROTATE] = np.array(vessel.can_rotate) & turning & (rate > 0.0)

@@ -37,6 +37,7 @@ import numpy as np
 
 from marine_model.compiled import compiled
 from marine_model.guards import FloatArray
+from thrust_allocator.plan.polygon import CORNERS, rotating_corners
 
 # sup over T_0 of |T_0 - 1|^(3/2) - |T_0|^(3/2) + (3/2) sqrt|T_0|, at T_0 = (2 - sqrt 2) / 4: how far |T|^(3/2) rises
 # above its tangent one unit away. Off the line through the origin it is less: at equal |z| it depends on the distance
@@ -77,36 +78,6 @@ def tangent_excess(coefficient: FloatArray, member: FloatArray, reach: FloatArra
         if member[j] > 0.0:
             total += TANGENT_EXCESS * coefficient[j] * reach[j] ** 1.5
     return total
-
-
-@compiled
-def rotating_vertices(
-    turn_low: float, turn_high: float, lower: float, upper: float, zero_region: float, out: FloatArray
-) -> None:
-    """Write points whose convex hull contains the polygon of :func:`thrust_allocator.plan.polygon.rotating_rows`.
-
-    In the frame of the present direction: x along it, y to starboard of it. They are its vertices, unless the line of
-    least thrust cuts those of largest thrust; then the polygon is a part of the hull.
-
-    Parameters
-    ----------
-    turn_low, turn_high, lower, upper, zero_region
-        As of ``rotating_rows``: rad, rad, N, N, c_2.
-    out
-        Shape (5, 2), N.
-    """
-    width = zero_region * (upper - lower)
-    cos_low, sin_low = math.cos(turn_low), math.sin(turn_low)
-    cos_high, sin_high = math.cos(turn_high), math.sin(turn_high)
-    least = max(lower, -width)
-    out[0, 0], out[0, 1] = upper, 0.0
-    out[1, 0], out[1, 1] = upper * cos_low * cos_low + width * sin_low, upper * cos_low * sin_low - width * cos_low
-    out[2, 0], out[2, 1] = (
-        upper * cos_high * cos_high - width * sin_high,
-        upper * cos_high * sin_high + width * cos_high,
-    )
-    out[3, 0], out[3, 1] = least, (sin_low * least - width) / cos_low
-    out[4, 0], out[4, 1] = least, (sin_high * least + width) / cos_high
 
 
 @compiled
@@ -189,8 +160,8 @@ def bus_row(
         b (W) and the :class:`BusRowKind`.
     """
     n = thrust.size
-    vertices = np.empty((5, 2))
-    x, y = np.empty(5), np.empty(5)
+    corners = np.empty((CORNERS, 2))
+    x, y = np.empty(CORNERS), np.empty(CORNERS)
     least = np.empty(n)
     most = np.empty(n)
     now = np.empty(n)
@@ -206,11 +177,11 @@ def bus_row(
         least[j], most[j] = lower[j], upper[j]
         count = 2
         if rotating[j] > 0.0:
-            rotating_vertices(turn_low[j], turn_high[j], lower[j], upper[j], zero_region, vertices)
-            count = 5
-            for i in range(5):
-                x[i] = vertices[i, 0]
-                y[i] = power_of(coefficient[j], math.hypot(vertices[i, 0], vertices[i, 1]))
+            # Seen along the present direction.
+            count = rotating_corners(0.0, turn_low[j], turn_high[j], lower[j], upper[j], zero_region, corners)
+            for i in range(count):
+                x[i] = corners[i, 0]
+                y[i] = power_of(coefficient[j], math.hypot(corners[i, 0], corners[i, 1]))
                 least[j], most[j] = min(least[j], x[i]), max(most[j], x[i])
         else:
             x[0], x[1] = lower[j], upper[j]

@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from marine_model import Vessel
-from marine_model.errors import InputError
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray, positive_number
 from thrust_allocator.engine import Answer, Engine
@@ -22,10 +21,10 @@ from thrust_allocator.plan.polar import Command
 from thrust_allocator.singularity.avoidance_descent import descend
 from thrust_allocator.singularity.avoidance_detour import find_detour
 from thrust_allocator.singularity.avoidance_route import Route, find_route, toll_of
-from thrust_allocator.singularity.avoidance_search import MOST_TURNING, Grid
+from thrust_allocator.singularity.avoidance_search import Grid
 from thrust_allocator.singularity.avoidance_thrusters import Thrusters, gain_at
 from thrust_allocator.singularity.scaling import scaling_of
-from thrust_allocator.singularity.settings import SingularitySettings, limits_of
+from thrust_allocator.singularity.settings import MOST_TURNING, SingularitySettings, limits_of
 from thrust_allocator.step import Total
 
 Run = Callable[[FloatArray, FloatArray, FloatArray, FloatArray], Answer]
@@ -159,14 +158,7 @@ class Avoidance:
             azimuth thrusters. The old settings stay in force.
         """
         if settings.method != "none":
-            limits = limits_of(settings, self._vessel)
-            turning = sum(self._vessel.can_rotate)
-            if settings.method != "three_step" and turning > MOST_TURNING:
-                raise InputError(
-                    f"singularity.method: expected three_step with more than {MOST_TURNING} azimuth thrusters, "
-                    f"found {settings.method} with {turning}"
-                )
-            self._limits = limits
+            self._limits = limits_of(settings, self._vessel)
         changed = self._settings.method != settings.method
         self._settings = settings
         if changed:

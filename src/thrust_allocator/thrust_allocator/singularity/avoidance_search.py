@@ -12,10 +12,10 @@ from marine_model.guards import FloatArray
 from thrust_allocator.program.active_set import IntArray
 from thrust_allocator.singularity.avoidance_descent import descend
 from thrust_allocator.singularity.avoidance_thrusters import Thrusters, gain_at, static_cost
+from thrust_allocator.singularity.settings import MOST_TURNING
 
-# Points a half turn, by the number of thrusters that turn: at most 10,000 in all.
+# Points a half turn, by the number of thrusters that turn, up to MOST_TURNING: at most 10,000 in all.
 _POINTS = (1, 48, 36, 18, 10)
-MOST_TURNING = len(_POINTS) - 1
 # Exact costs computed in one search, at most; each may need every way of pointing its thrusters fore or aft.
 _EVALUATIONS = 40
 # The same of points in the order of the grid, so that a standing demand has the whole grid searched in time: where

@@ -9,6 +9,9 @@ from marine_model.errors import InputError
 from marine_model.gains import SingularityGains
 from marine_model.settings import Settings, setting
 
+# Azimuth thrusters whose angles are searched over, at most.
+MOST_TURNING = 4
+
 
 class SingularitySettings(Settings):
     """Settings of monitor and avoidance. Where one is None, ``allocator.singularity`` of the vessel file holds."""
@@ -62,8 +65,14 @@ def limits_of(settings: SingularitySettings, vessel: Vessel) -> SingularityGains
     Raises
     ------
     InputError
-        If neither has a number that the method needs.
+        If neither has a number that the method needs, or the method searches over the angles of too many thrusters.
     """
+    turning = sum(vessel.can_rotate)
+    if settings.method in ("required_gain", "crossing") and turning > MOST_TURNING:
+        raise InputError(
+            f"singularity.method: expected three_step with more than {MOST_TURNING} azimuth thrusters, "
+            f"found {settings.method} with {turning}"
+        )
     gains = vessel.allocator.singularity
     found = {}
     for name in SingularityGains.model_fields:
