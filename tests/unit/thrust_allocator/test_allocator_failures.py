@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from marine_model import load_vessel
+from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
 from marine_model.frames import wrap_angles
 from thrust_allocator import (
@@ -21,8 +21,10 @@ from thrust_allocator import (
     Solution,
     Solver,
     Status,
+    check_settings,
     judge,
 )
+from thrust_allocator.singularity.settings import SingularitySettings
 
 VESSEL = load_vessel("cybership3")
 DT = 0.2
@@ -326,3 +328,16 @@ def test_saturation_is_reported() -> None:
     idle = Allocator(VESSEL, AllocatorSettings(azimuth_mode="rotating")).step([0.0, 0.0, 0.0], DT)
     assert idle.thrust_saturated == (False,) * 4
     assert idle.azimuth_saturated == (False,) * 4
+
+
+@pytest.mark.parametrize("method", ["required_gain", "crossing"])
+def test_a_search_over_too_many_angles_is_refused_before_it_is_accepted(method: str) -> None:
+    document = VESSEL.model_dump(mode="json")
+    for name in ("azimuth_mid_port", "azimuth_mid_starboard"):
+        document["thrusters"].append(document["thrusters"][1] | {"name": name})
+    document["allocator"]["thrust_weight"] += [1.2, 1.2]
+    larger = Vessel.model_validate(document)
+    settings = AllocatorSettings.for_vessel(larger, singularity=SingularitySettings(method=method))
+    with pytest.raises(InputError, match="expected three_step with more than 4 azimuth thrusters"):
+        check_settings(settings, larger)
+    check_settings(AllocatorSettings.for_vessel(larger, singularity=SingularitySettings(method="three_step")), larger)
