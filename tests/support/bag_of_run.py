@@ -32,6 +32,7 @@ KINDS = {
     "allocation_status": "dp_msgs/msg/AllocationStatus",
     "thruster_feedback": "dp_msgs/msg/ThrusterFeedback",
     "actuator_setpoint": "dp_msgs/msg/ActuatorSetpoint",
+    "ventilation": "dp_msgs/msg/Ventilation",
 }
 # Order of travel, so that the file has it as well.
 AT_SAMPLE = tuple(KINDS)[:9]
@@ -103,6 +104,8 @@ class BagOfRun:
                 yield "actuator_setpoint", stamp, self._actuator_setpoint(max(k - 1, 0), stamp)
             yield "thruster_feedback", stamp, self._thruster_feedback(k, stamp)
             yield "actuator_setpoint", stamp, self._actuator_setpoint(k, stamp)
+            if "beta_q" in self._run:
+                yield "ventilation", stamp, self._ventilation(k, stamp)
 
     def _make(self, kind: str, **fields: Any) -> Any:
         """Return a message; numbers and texts that are not given are zero and empty."""
@@ -244,6 +247,8 @@ class BagOfRun:
             rotating=flags,
             thrust_saturated=flags,
             azimuth_saturated=flags,
+            antispin="torque_loss" in self._run,
+            torque_loss=self._row("torque_loss", i) if "torque_loss" in self._run else np.ones(len(flags)),
         )
 
     def _thruster_feedback(self, k: int, stamp: int) -> Any:
@@ -256,6 +261,7 @@ class BagOfRun:
             power=self._row("power", k),
             azimuth=self._row("azimuth", k),
             azimuth_rate=np.zeros(len(self._run.thrusters)),
+            pitch_ratio=self._row("pitch_ratio", k),
         )
 
     def _actuator_setpoint(self, k: int, stamp: int) -> Any:
@@ -267,4 +273,15 @@ class BagOfRun:
             name=list(self._run.thrusters),
             torque=self._row("torque_setpoint", k),
             azimuth_rate=self._row("azimuth_rate_setpoint", k),
+            pitch_ratio=self._row("pitch_ratio_setpoint", k),
+        )
+
+    def _ventilation(self, k: int, stamp: int) -> Any:
+        return self._make(
+            KINDS["ventilation"],
+            header=self._header(stamp),
+            name=list(self._run.thrusters),
+            ventilating=self._row("ventilating", k) > 0.5,
+            beta_q=self._row("beta_q", k),
+            beta_q2=self._row("beta_q2", k),
         )

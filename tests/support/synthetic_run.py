@@ -5,15 +5,22 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dp_tools.run_data import Labels, RunData, RunInfo, Series
 from marine_model import Vessel
 from marine_model.frames import wrap_angles
+from marine_model.guards import FloatArray
 
 SAMPLE = 0.2
 FEEDBACK = 0.02
 POWER = {"fixed": 4.0, "rotating": 2.5}  # W a thruster, constant but for a known ripple
 SWITCH = 206.0
+
+
+def rows_at(t: FloatArray, tf: FloatArray) -> NDArray[np.intp]:
+    """Return the row of the newest feedback at every sample."""
+    return np.searchsorted(tf, t + 1e-9, side="right") - 1
 
 
 def synthetic_run(vessel: Vessel, duration: float = 380.0, seed: int = 0) -> RunData:
@@ -65,7 +72,17 @@ def synthetic_run(vessel: Vessel, duration: float = 380.0, seed: int = 0) -> Run
         "azimuth": measured_azimuth,
         "torque_setpoint": vessel.propellers.torque(speed),
         "azimuth_rate_setpoint": np.zeros((len(tf), n)),
+        "pitch_ratio": np.ones((len(tf), n)),
+        "pitch_ratio_setpoint": np.ones((len(tf), n)),
+        "ventilating": np.zeros((len(tf), n)),
+        "beta_q": np.ones((len(tf), n)),
+        "beta_q2": np.ones((len(tf), n)),
     }
+    # The third thruster ventilates for a second in every ten.
+    flagged = tf % 10.0 < 1.0
+    at_feedback["ventilating"][flagged, 2] = 1.0
+    at_feedback["beta_q"][flagged, 2] = at_feedback["beta_q2"][flagged, 2] = 0.4
+    at_sample["torque_loss"] = at_feedback["beta_q2"][rows_at(t, tf)]
     series = {name: Series(t, values) for name, values in at_sample.items()}
     series |= {name: Series(tf, values) for name, values in at_feedback.items()}
     return RunData(

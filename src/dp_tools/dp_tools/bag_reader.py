@@ -130,6 +130,7 @@ class _Collector:
             "allocation_status": self._allocation_status,
             "actuator_setpoint": self._actuator_setpoint,
             "thruster_feedback": self._thruster_feedback,
+            "ventilation": self._ventilation,
         }
 
     def take(self, topic: str, message: Any) -> None:
@@ -191,6 +192,8 @@ class _Collector:
         self._row("allocation_cost", stamp, (m.cost,))
         self._word("allocation_status", stamp, m.status)
         self._word("azimuth_mode", stamp, m.azimuth_mode)
+        if getattr(m, "antispin", False):  # not in recordings of earlier versions
+            self._row("torque_loss", stamp, m.torque_loss)
 
     def _actuator_setpoint(self, stamp: int, m: Any) -> None:
         answered = self.columns.get("torque_setpoint")
@@ -198,12 +201,24 @@ class _Collector:
             return  # the farewell of drivers that are being stopped: what they had answered was in force
         self._by_thruster("torque_setpoint", stamp, m.name, m.torque)
         self._by_thruster("azimuth_rate_setpoint", stamp, m.name, m.azimuth_rate)
+        self._pitch("pitch_ratio_setpoint", stamp, m)
 
     def _thruster_feedback(self, stamp: int, m: Any) -> None:
         self._by_thruster("shaft_speed", stamp, m.name, m.shaft_speed)
         self._by_thruster("motor_torque", stamp, m.name, m.torque)
         self._by_thruster("power", stamp, m.name, m.power)
         self._by_thruster("azimuth", stamp, m.name, m.azimuth)
+        self._pitch("pitch_ratio", stamp, m)
+
+    def _pitch(self, series: str, stamp: int, m: Any) -> None:
+        """Recordings of earlier versions, and thrusters of fixed pitch, may not tell of it."""
+        if len(getattr(m, "pitch_ratio", ())):
+            self._by_thruster(series, stamp, m.name, m.pitch_ratio)
+
+    def _ventilation(self, stamp: int, m: Any) -> None:
+        self._by_thruster("ventilating", stamp, m.name, [float(flag) for flag in m.ventilating])
+        self._by_thruster("beta_q", stamp, m.name, m.beta_q)
+        self._by_thruster("beta_q2", stamp, m.name, m.beta_q2)
 
 
 def _position(pose: Any) -> Row:

@@ -80,6 +80,47 @@ class AzimuthStep(_Figure):
     window: str = ""  # empty: the whole run
 
 
+class ThrustLevel(_Figure):
+    """Mean magnitude of the commanded thrust of one thruster over a window, N."""
+
+    kind: Literal["thrust_level"]
+    window: str
+    thruster: str
+
+
+class ThrustLevelChange(_Figure):
+    """Mean magnitude of the commanded thrust of one thruster in one window over that in another, minus one."""
+
+    kind: Literal["thrust_level_change"]
+    baseline: str
+    compared: str
+    thruster: str
+
+
+class VentilatingShare(_Figure):
+    """Share of a window in which a thruster was flagged as ventilating."""
+
+    kind: Literal["ventilating_share"]
+    window: str
+    thruster: str
+
+
+class ForceDeviation(_Figure):
+    """Largest deviation of the commanded from the desired generalized force over a window, N or N m."""
+
+    kind: Literal["force_deviation"]
+    window: str
+    axis: Axis
+
+
+class ForceJump(_Figure):
+    """Most that the commanded force moved in a sample beyond what was desired, over a window, N or N m."""
+
+    kind: Literal["force_jump"]
+    window: str
+    axis: Axis
+
+
 class LimitViolations(_Figure):
     """Number of samples of the whole run in which a limit of a thruster was broken."""
 
@@ -94,6 +135,11 @@ FigureSpec = Annotated[
     | ForceTracking
     | TimeToDemand
     | AzimuthStep
+    | ThrustLevel
+    | ThrustLevelChange
+    | VentilatingShare
+    | ForceDeviation
+    | ForceJump
     | LimitViolations,
     Field(discriminator="kind"),
 ]
@@ -101,7 +147,7 @@ FigureSpec = Annotated[
 
 def windows_of(figure: FigureSpec) -> tuple[tuple[str, str], ...]:
     """Return (field, window name) of every window that ``figure`` needs."""
-    if isinstance(figure, MeanPowerChange):
+    if isinstance(figure, MeanPowerChange | ThrustLevelChange):
         return ("baseline", figure.baseline), ("compared", figure.compared)
     if isinstance(figure, LimitViolations) or not figure.window:
         return ()

@@ -13,12 +13,17 @@ import numpy as np
 from dp_tools.figure_specs import (
     AzimuthStep,
     FigureSpec,
+    ForceDeviation,
+    ForceJump,
     ForceLevel,
     ForceTracking,
     MeanPower,
     MeanPowerChange,
     PositionError,
+    ThrustLevel,
+    ThrustLevelChange,
     TimeToDemand,
+    VentilatingShare,
 )
 from dp_tools.interval import batch_jackknife
 from dp_tools.limits import limits_violations
@@ -130,6 +135,23 @@ def _compute(spec: FigureSpec, run: RunData, scenario: Scenario, vessel: Vessel)
             azimuth = azimuth.window(*scenario.windows[spec.window])
         turn = wrap_angles(np.diff(azimuth.values, axis=0))
         return Figure(spec, math.degrees(float(np.abs(turn).max())), "deg")
+    if isinstance(spec, ThrustLevel):
+        return _with_interval(spec, "N", _mean, _thrust(spec.thruster, spec.window, run, scenario))
+    if isinstance(spec, ThrustLevelChange):
+        levels = [_thrust(spec.thruster, window, run, scenario) for window in (spec.baseline, spec.compared)]
+        return _with_interval(spec, "1", _relative_change, *levels)
+    if isinstance(spec, VentilatingShare):
+        flags = _column(run["ventilating"], scenario, spec.window, run.thrusters.index(spec.thruster))
+        return _with_interval(spec, "1", _mean, flags)
+    if isinstance(spec, ForceDeviation | ForceJump):
+        axis = _AXES.index(spec.axis)
+        desired, achieved = (
+            _column(run[name], scenario, spec.window, axis) for name in ("tau_desired", "tau_achieved")
+        )
+        deviation = np.abs(achieved - desired)
+        if isinstance(spec, ForceJump):
+            deviation = np.abs(np.diff(achieved)) - np.abs(np.diff(desired))
+        return Figure(spec, float(deviation.max()), _FORCE_UNITS[axis])
     count = sum(check.violations for check in limits_violations(run, vessel))
     return Figure(spec, float(count), "1")
 
@@ -137,6 +159,11 @@ def _compute(spec: FigureSpec, run: RunData, scenario: Scenario, vessel: Vessel)
 def _column(series: Series, scenario: Scenario, window: str, column: int) -> FloatArray:
     values = series.window(*scenario.windows[window]).values[:, column]
     return values[np.isfinite(values)]
+
+
+def _thrust(thruster: str, window: str, run: RunData, scenario: Scenario) -> FloatArray:
+    """Return the magnitude of the commanded thrust of one thruster over a window, N."""
+    return np.abs(_column(run["thrust_command"], scenario, window, run.thrusters.index(thruster)))
 
 
 def _with_interval(spec: FigureSpec, unit: str, statistic: Callable[..., float], *samples: FloatArray) -> Figure:

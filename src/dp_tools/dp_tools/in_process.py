@@ -39,7 +39,19 @@ from vessel_sim import Simulator, SimulatorInputs, SimulatorSettings
 S = TypeVar("S", bound=Settings)
 
 _AT_FEEDBACK = frozenset(
-    ("shaft_speed", "motor_torque", "power", "azimuth", "torque_setpoint", "azimuth_rate_setpoint")
+    (
+        "shaft_speed",
+        "motor_torque",
+        "power",
+        "azimuth",
+        "pitch_ratio",
+        "torque_setpoint",
+        "azimuth_rate_setpoint",
+        "pitch_ratio_setpoint",
+        "ventilating",
+        "beta_q",
+        "beta_q2",
+    )
 )
 # Progress is told this often, in control samples.
 _PROGRESS_SAMPLES = 50

@@ -27,9 +27,11 @@ from marine_model.guards import FloatArray
 #   reference_velocity      m/s, m/s, rad/s body frame
 #   proportional, integral, derivative, joystick, transfer, tau_desired, tau_achieved, slack    N, N, N m, body frame
 #   thrust_command          N               azimuth_command   rad          allocation_cost   -
+#   torque_loss             1               beta_Q2 in use by the allocator; where anti-spin was on at any time
 # One row a feedback (drivers' rate):
 #   shaft_speed  Hz         motor_torque  N m          power  W         azimuth  rad
-#   torque_setpoint  N m    azimuth_rate_setpoint  rad/s
+#   torque_setpoint  N m    azimuth_rate_setpoint  rad/s    pitch_ratio  1    pitch_ratio_setpoint  1
+#   ventilating  0 or 1     beta_q  1              beta_q2  1    where the drivers look for ventilation
 # True state, where a simulator sailed:
 #   truth_position          m, m, rad       with wave motion, map_ned; at the times of the poses
 WIDTHS: Mapping[str, int] = {
@@ -57,8 +59,16 @@ WIDTHS: Mapping[str, int] = {
     "azimuth": 0,
     "torque_setpoint": 0,
     "azimuth_rate_setpoint": 0,
+    "pitch_ratio": 0,
+    "pitch_ratio_setpoint": 0,
+    "ventilating": 0,
+    "beta_q": 0,
+    "beta_q2": 0,
+    "torque_loss": 0,
     "truth_position": 3,
 }
+# Series that are there only while what they tell of is switched on.
+SOMETIMES = frozenset(("ventilating", "beta_q", "beta_q2", "torque_loss"))
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from dp_tools.run_data import WIDTHS, Labels, RunData, RunInfo, Series
+from dp_tools.run_data import SOMETIMES, WIDTHS, Labels, RunData, RunInfo, Series
 from marine_model.guards import FloatArray
 
 
@@ -41,10 +41,16 @@ class RunLog:
             words.append(word)
 
     def finish(self, info: RunInfo, sample_times: FloatArray, feedback_times: FloatArray) -> RunData:
-        """Return what was logged for the given times, one a row."""
+        """Return what was logged for the given times, one a row; of a series that comes and goes, what was written."""
         series = {}
         for name, rows in self.rows.items():
             t = feedback_times if name in self._at_feedback else sample_times
-            series[name] = Series(t, rows[: len(t)])
+            rows = rows[: len(t)]
+            if name in SOMETIMES:
+                written = np.isfinite(rows).all(axis=1)
+                if not written.any():
+                    continue
+                t, rows = t[written], rows[written]
+            series[name] = Series(t, rows)
         labels = {name: Labels(np.array(times), tuple(words)) for name, (times, words) in self._changes.items()}
         return RunData(info, self._thrusters, series, labels)

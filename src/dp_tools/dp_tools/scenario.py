@@ -191,7 +191,7 @@ def _problems(scenario: Scenario, document: YamlDocument, vessel: Vessel | None)
     for field, message in (
         *_time_problems(scenario, vessel.measurement.sample_time),
         *_window_problems(scenario),
-        *_figure_problems(scenario),
+        *_figure_problems(scenario, vessel),
         *_parameter_problems(scenario, vessel),
     ):
         yield document.problem(field, message)
@@ -229,12 +229,16 @@ def _window_problems(scenario: Scenario) -> Iterator[tuple[FieldPath, str]]:
             yield field, f"expected a name out of windows ({known}), found '{window}'"
 
 
-def _figure_problems(scenario: Scenario) -> Iterator[tuple[FieldPath, str]]:
+def _figure_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[FieldPath, str]]:
     seen: set[str] = set()
     for i, figure in enumerate(scenario.figures):
         if figure.name in seen:
             yield ("figures", i, "name"), f"every name must be unique, found '{figure.name}' twice"
         seen.add(figure.name)
+        thruster = getattr(figure, "thruster", None)
+        if thruster is not None and thruster not in vessel.thruster_names:
+            known = ", ".join(vessel.thruster_names)
+            yield ("figures", i, "thruster"), f"expected one of {known}, found '{thruster}'"
 
 
 def _parameter_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[FieldPath, str]]:

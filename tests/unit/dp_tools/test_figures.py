@@ -18,7 +18,7 @@ from dp_tools.run_data import RunData, Series
 from dp_tools.scenario import Scenario, load_scenario
 from dp_tools.signals import averaged, low_frequency_truth, measured_force, position_error
 from marine_model import Vessel, load_vessel
-from marine_model.errors import InputError
+from marine_model.errors import DocumentError, InputError
 from support.repository import SCENARIOS
 from support.synthetic_run import POWER, SAMPLE, synthetic_run
 
@@ -100,6 +100,58 @@ def test_heading_error_does_not_jump_at_south(run: RunData) -> None:
         reference_position=Series(t, np.array([[0.0, 0.0, -math.pi + 0.01]] * 3)),
     )
     assert position_error(turned, "estimate_position").values[:, 2] == pytest.approx([-0.02] * 3)
+
+
+def test_thrust_levels_are_of_magnitudes(run: RunData, vessel: Vessel) -> None:
+    t = np.arange(100.0, 220.0)
+    thrust = np.where(t < 150.0, -2.0, 3.0)[:, None] * np.array([0.0, 0.0, 1.0, 0.0])
+    changed = with_series(run, thrust_command=Series(t, thrust))
+    change = {"name": "c", "kind": "thrust_level_change", "title": "C", "thruster": "azimuth_port"}
+    specs = (
+        {"name": "l", "kind": "thrust_level", "title": "L", "window": "before", "thruster": "azimuth_port"},
+        {**change, "baseline": "before", "compared": "after"},
+    )
+    trial = measuring(*specs).model_copy(update={"windows": {"before": (100.0, 150.0), "after": (150.0, 200.0)}})
+    level, ratio = compute_figures(changed, trial, vessel)
+    assert (level.value, level.unit) == (2.0, "N")
+    assert (ratio.value, ratio.unit) == (0.5, "1")
+
+
+def test_share_of_time_in_which_a_thruster_ventilates(run: RunData, vessel: Vessel) -> None:
+    share = {"kind": "ventilating_share", "title": "S", "window": "part"}
+    one, other = compute_figures(
+        run,
+        measuring(
+            {**share, "name": "one", "thruster": "azimuth_port"},
+            {**share, "name": "other", "thruster": "azimuth_starboard"},
+        ),
+        vessel,
+    )
+    assert one.value == pytest.approx(0.1)  # a second in ten
+    assert other.value == 0.0
+
+
+def test_a_jump_is_what_the_command_moves_beyond_the_demand(run: RunData, vessel: Vessel) -> None:
+    t = np.arange(100.0, 105.0)
+    desired = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    achieved = desired + np.array([[0.0], [-0.5], [0.25], [0.0], [0.0]])  # moves by 0.5, 0.75, 0.25, 0
+    changed = with_series(run, tau_desired=Series(t, desired), tau_achieved=Series(t, achieved))
+    specs = [
+        {"name": kind, "kind": kind, "title": "T", "window": "part", "axis": "surge"}
+        for kind in ("force_deviation", "force_jump")
+    ]
+    deviation, jump = compute_figures(changed, measuring(*specs), vessel)
+    assert (deviation.value, deviation.unit) == (0.5, "N")
+    assert jump.value == 0.75  # from 0.5 to 1.25 while the demand stood still
+
+
+def test_a_thruster_of_a_figure_must_be_there(tmp_path: Path) -> None:
+    text = (SCENARIOS / "run_a.yaml").read_text(encoding="utf-8")
+    extra = "  - {name: x, kind: thrust_level, title: X, window: fixed, thruster: rudder}\n"
+    path = tmp_path / "x.yaml"
+    path.write_text(text + extra, encoding="utf-8")
+    with pytest.raises(DocumentError, match=r"thruster: expected one of tunnel_bow, .*, found 'rudder'"):
+        load_scenario(path)
 
 
 def test_azimuth_step_goes_the_shorter_way(run: RunData, vessel: Vessel) -> None:

@@ -98,12 +98,13 @@ def test_pictures_are_those_of_the_thesis(page: str) -> None:
         "Generalized forces",
         "Thrust directions",
         "Thruster forces",
+        "Ventilation: torque loss factors",
         "Observer: wave filter and bias",
         "The switch from fixed to rotating thrusters",
     ):
         assert title in text
-    # Eight of the whole run, four of the close-up.
-    assert len(Page(page).images) == 12
+    # Nine of the whole run, five of the close-up.
+    assert len(Page(page).images) == 14
 
 
 def test_pictures_are_drawings_without_outside_references(page: str) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from dp_tools.figure_specs import MeanPowerChange
+from dp_tools.figure_specs import MeanPowerChange, ThrustLevelChange
 from dp_tools.figures import Figure, compute_figures, write_figures
 from dp_tools.limits import LimitCheck, limits_violations
 from dp_tools.report.plots import Picture, Scene, close_up_pictures, pictures
@@ -17,6 +17,8 @@ from dp_tools.run_data import RunData
 from dp_tools.scenario import Scenario
 from marine_model import Vessel
 
+# Shown in per cent, with a sign.
+RELATIVE = MeanPowerChange | ThrustLevelChange
 REPORT_NAME = "report.html"
 FIGURES_NAME = "figures.json"
 
@@ -152,7 +154,7 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
 
 
 def _quantity(figure: Figure, value: float) -> str:
-    if isinstance(figure.spec, MeanPowerChange):
+    if isinstance(figure.spec, RELATIVE):
         return f"{100.0 * value:+.1f} %".replace("-", "−")
     return with_unit(value, figure.unit)
 
@@ -166,7 +168,7 @@ def _figure_row(figure: Figure) -> FigureRow:
         interval = f"{number_of_low if high.endswith(unit_of_low) else low} … {high}"
     difference = ""
     if figure.difference is not None:
-        if isinstance(spec, MeanPowerChange):
+        if isinstance(spec, RELATIVE):
             difference = f"{100.0 * figure.difference:+.1f} points"
         else:
             difference = ("+" if figure.difference > 0.0 else "") + _quantity(figure, figure.difference)

@@ -91,6 +91,7 @@ def pictures(scene: Scene) -> Iterator[Picture]:
         (("tau_desired", "tau_achieved"), forces),
         (("azimuth_command",), directions),
         (("thrust_command",), thrusts),
+        (("beta_q2", "thrust_command"), ventilation),
         (("estimate_position",), track),
         (("wave_position", "bias"), observer),
         (("proportional", "integral", "derivative"), control_terms),
@@ -107,6 +108,7 @@ def close_up_pictures(scene: Scene, window: str) -> Iterator[Picture]:
         ("tau_desired", forces),
         ("azimuth_command", directions),
         ("thrust_command", thrusts),
+        ("beta_q2", ventilation),
         ("power", power),
     ):
         if needed in scene.run:
@@ -266,6 +268,29 @@ def thrusts(scene: Scene, span: Span) -> Picture:
         "came near them.",
         panels.image(),
         "Thrust of every thruster over time: commanded and measured",
+    )
+
+
+def ventilation(scene: Scene, span: Span) -> Picture:
+    """Torque loss factors, Figures 5.2 and 5.5: of thrusters that ventilated at any time, or else of all."""
+    run = scene.run
+    ventilated = np.flatnonzero(run["ventilating"].values.any(axis=0)).tolist() or list(range(len(run.thrusters)))
+    panels = scene.panels(tuple(f"{run.thrusters[j].replace('_', ' ')}\n(1)" for j in ventilated), span, height=1.3)
+    for row, j in enumerate(ventilated):
+        for name, label, color, line in (
+            ("beta_q", "observed", style.RAW, {"linewidth": 0.6}),
+            ("beta_q2", "remembered", style.MEASURED, {"linewidth": 1.2}),
+            ("torque_loss", "used by the allocator", style.COMMANDED, {"linewidth": 1.0, "drawstyle": "steps-post"}),
+        ):
+            if name in run:
+                panels.draw(row, run[name].t, run[name].values[:, j], label, color, **line)
+        panels.axes[row].set_ylim(0.0, 1.4)
+    return Picture(
+        "Ventilation: torque loss factors",
+        "Observed propeller torque over that of a propeller without loss (β_Q; waves move it about 1 as well), what is "
+        "remembered of it while a thruster ventilates (β_Q2), and what raises its cost in the allocator.",
+        panels.image(),
+        "Torque loss factors of ventilating thrusters over time",
     )
 
 
