@@ -16,6 +16,7 @@ from rich.progress import Progress, TaskID
 
 from benchmarks.accuracy import measure_accuracy
 from benchmarks.allocation import measure_allocation
+from benchmarks.driver_load import measure_driver_load
 from benchmarks.gain_map import measure_gain_map
 from benchmarks.graph import measure_composed, measure_separate
 from benchmarks.hop import measure_hop
@@ -34,6 +35,7 @@ _MEASUREMENTS: dict[str, tuple[str, Callable[[Plan], list[Result]]]] = {
     "separate": ("Lockstep graph, one process a node", measure_separate),
     "composed": ("Lockstep graph, one process", measure_composed),
     "start_up": ("Start-up", measure_start_up),
+    "driver_load": ("Drivers in real time", measure_driver_load),
     "allocation": ("Allocation step", measure_allocation),
     "sectors": ("Allocation with forbidden sectors", measure_sectors),
     "accuracy": ("Accuracy of the allocation", measure_accuracy),
