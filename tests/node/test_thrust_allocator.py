@@ -359,6 +359,8 @@ def assert_tells(status: Any, result: AllocationResult) -> None:
         "locked": False if avoidance is None else avoidance.locked,
         "released": False if avoidance is None else avoidance.released,
         "gain_crossing": False if avoidance is None else avoidance.crossing,
+        "antispin": result.antispin,
+        "torque_loss": result.torque_loss,
     }
     assert {"header", *expected} == set(status.get_fields_and_field_types())
     for name, value in expected.items():
@@ -424,7 +426,7 @@ def test_measured_power_corrects_the_prediction(start: Any) -> None:
     feedback.publish(power_feedback(START + STEP - 2 * TICK, [9.0, 9.0, 9.0, 9.0]))
     feedback.publish(power_feedback(START + STEP - TICK, [50.0, 1.6, 0.7, 0.1], NAMES[::-1]))
     feedback.publish(power_feedback(START + STEP, [9.0, 9.0, 9.0, 9.0]))  # not before the demand
-    bench.bench.wait_until(lambda: len(bench.bench.node._powers) == 3, "three feedbacks")
+    bench.bench.wait_until(lambda: len(bench.bench.node._power) == 3, "three feedbacks")
     status = bench.ask(START + STEP, HARD)[2]
     expected.measure_power(0.1 + 0.7 + 1.6)
     result = expected.step(HARD, 0.2)
@@ -447,12 +449,12 @@ def test_lockstep_waits_for_the_power_before_a_demand_and_for_no_other(start: An
     )
     assert_tells(bench.ask(START, HARD)[2], expected.step(HARD, 0.2))  # nothing has been measured before the first
     bench.send(START + STEP, HARD)
-    bench.bench.wait_until(lambda: bench.bench.node._held is not None, "the demand to be held")
+    bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the demand to be held")
     health = bench.bench.diagnostics()
     assert health["level"] == 1
     assert health["message"].startswith("tau_desired waits for the power of thruster_feedback; power limited (")
     feedback.publish(power_feedback(START + STEP - 2 * TICK, [0.1, 1.0, 0.5, 0.5]))
-    bench.bench.wait_until(lambda: len(bench.bench.node._powers) == 1, "the feedback before the one that counts")
+    bench.bench.wait_until(lambda: len(bench.bench.node._power) == 1, "the feedback before the one that counts")
     assert len(bench.commands) == 1
     feedback.publish(power_feedback(START + STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
     bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
@@ -460,7 +462,7 @@ def test_lockstep_waits_for_the_power_before_a_demand_and_for_no_other(start: An
     assert_tells(bench.statuses[-1], expected.step(HARD, 0.2))
     # Here already: no wait.
     feedback.publish(power_feedback(START + 2 * STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
-    bench.bench.wait_until(lambda: len(bench.bench.node._powers) == 3, "the next feedback")
+    bench.bench.wait_until(lambda: len(bench.bench.node._power) == 3, "the next feedback")
     expected.measure_power(0.1 + 1.2 + 0.6 + 0.7)
     assert_tells(bench.ask(START + 2 * STEP, HARD)[2], expected.step(HARD, 0.2))
 
@@ -475,7 +477,7 @@ def test_lockstep_waits_for_power_from_the_demand_after_it_was_asked_for(start: 
     assert bench.bench.set_parameters(power__limit="total", power__available=2.0).successful
     expected.apply(with_parameters(settings, POWER))
     bench.send(START + STEP, HARD)
-    bench.bench.wait_until(lambda: bench.bench.node._held is not None, "the demand to be held")
+    bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the demand to be held")
     feedback = bench.bench.publisher(ThrusterFeedback, "thruster_feedback")
     feedback.publish(power_feedback(START + STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
     bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
@@ -487,7 +489,7 @@ def test_a_demand_that_waits_is_answered_once_power_does_not_matter(start: Any) 
     bench = start(synchronous=True, power__limit="total", power__available=2.0)
     bench.ask(START)
     bench.send(START + STEP)
-    bench.bench.wait_until(lambda: bench.bench.node._held is not None, "the demand to be held")
+    bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the demand to be held")
     assert bench.bench.set_parameters(power__measured=False).successful
     bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
     assert to_nanoseconds(bench.statuses[-1].header.stamp) == START + STEP
