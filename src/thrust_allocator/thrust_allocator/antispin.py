@@ -12,8 +12,8 @@ another factor is needed; it is the one of 1 - 2/m. (5.18) writes beta_Q2^(S/2) 
 here the factor c = beta_Q2^S stands on the diagonal of W_u^2. S is below 0 for m < p, so that the cost is raised, where
 the text after (5.18) says reduced.
 
-c is 1 or more. Raising weights of T_j^2 by d_j >= 0 over the same convex set of thrusts lowers sum_j d_j T_j^2 or leaves
-it: with one ventilating thruster, its thrust never grows. (T, T' the optima before and after: J(T') >= J(T) and
+c is 1 or more. Weights of T_j^2 raised by d_j >= 0 over the same set of thrusts lower sum_j d_j T_j^2 or leave it: with
+one ventilating thruster, its thrust never grows. (T, T' the optima before and after: J(T') >= J(T) and
 J(T) + d T_j^2 >= J(T') + d T'_j^2.)
 """
 

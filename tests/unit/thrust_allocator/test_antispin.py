@@ -121,7 +121,7 @@ def test_the_quadratic_cost_takes_little_more_power_than_the_true_one() -> None:
         weight = true_power * loss ** cost_exponent(POWER_TRUE, M)
         common: dict[str, Any] = {"azimuth_mode": "rotating", "thrust_weight": "propeller"}
         # 1 - 2/m' is S of (5.12) for m' = 4 m / 3.
-        runs = (
+        runs: tuple[dict[str, Any], ...] = (
             {"antispin__enabled": True, "cost": "power_3_2"},
             {"antispin__enabled": True},
             {"antispin__enabled": True, "antispin__exponent_m": 4.0 * M / 3.0},
@@ -376,8 +376,8 @@ def test_nothing_jumps_in_tau_achieved(
     result = run(allocator, None, 40, tau)
     if np.abs(result.slack).max() > 1e-3:  # not within reach of these directions
         return
-    # Slack is 1e-6 of the demand without anti-spin, and rises with the cost, 40 times at most. Of the force of a rotating
-    # thruster in its zero region, c_2 of its span either way, only the part along its direction is commanded.
+    # Slack is 1e-6 of the demand without anti-spin, and rises with the cost, 40 times at most. Of the force of a
+    # rotating thruster in its zero region, c_2 of its span either way, only the part along its direction is commanded.
     region = VESSEL.allocator.zero_region * float((VESSEL.thrust_max - VESSEL.thrust_min) @ VESSEL.can_rotate)
     allowed = 4e-4 if mode == "fixed" else math.sqrt(2.0) * region + 4e-4
     for losses_told, on in told:
