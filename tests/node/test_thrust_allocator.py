@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback
+from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback, Ventilation
 from geometry_msgs.msg import WrenchStamped
 from rcl_interfaces.msg import ParameterType
 
@@ -359,6 +359,8 @@ def assert_tells(status: Any, result: AllocationResult) -> None:
         "locked": False if avoidance is None else avoidance.locked,
         "released": False if avoidance is None else avoidance.released,
         "gain_crossing": False if avoidance is None else avoidance.crossing,
+        "antispin": result.antispin,
+        "torque_loss": result.torque_loss,
     }
     assert {"header", *expected} == set(status.get_fields_and_field_types())
     for name, value in expected.items():
@@ -424,7 +426,7 @@ def test_measured_power_corrects_the_prediction(start: Any) -> None:
     feedback.publish(power_feedback(START + STEP - 2 * TICK, [9.0, 9.0, 9.0, 9.0]))
     feedback.publish(power_feedback(START + STEP - TICK, [50.0, 1.6, 0.7, 0.1], NAMES[::-1]))
     feedback.publish(power_feedback(START + STEP, [9.0, 9.0, 9.0, 9.0]))  # not before the demand
-    bench.bench.wait_until(lambda: len(bench.bench.node._powers) == 3, "three feedbacks")
+    bench.bench.wait_until(lambda: len(bench.bench.node._power) == 3, "three feedbacks")
     status = bench.ask(START + STEP, HARD)[2]
     expected.measure_power(0.1 + 0.7 + 1.6)
     result = expected.step(HARD, 0.2)
@@ -447,12 +449,12 @@ def test_lockstep_waits_for_the_power_before_a_demand_and_for_no_other(start: An
     )
     assert_tells(bench.ask(START, HARD)[2], expected.step(HARD, 0.2))  # nothing has been measured before the first
     bench.send(START + STEP, HARD)
-    bench.bench.wait_until(lambda: bench.bench.node._held is not None, "the demand to be held")
+    bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the demand to be held")
     health = bench.bench.diagnostics()
     assert health["level"] == 1
     assert health["message"].startswith("tau_desired waits for the power of thruster_feedback; power limited (")
     feedback.publish(power_feedback(START + STEP - 2 * TICK, [0.1, 1.0, 0.5, 0.5]))
-    bench.bench.wait_until(lambda: len(bench.bench.node._powers) == 1, "the feedback before the one that counts")
+    bench.bench.wait_until(lambda: len(bench.bench.node._power) == 1, "the feedback before the one that counts")
     assert len(bench.commands) == 1
     feedback.publish(power_feedback(START + STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
     bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
@@ -460,7 +462,7 @@ def test_lockstep_waits_for_the_power_before_a_demand_and_for_no_other(start: An
     assert_tells(bench.statuses[-1], expected.step(HARD, 0.2))
     # Here already: no wait.
     feedback.publish(power_feedback(START + 2 * STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
-    bench.bench.wait_until(lambda: len(bench.bench.node._powers) == 3, "the next feedback")
+    bench.bench.wait_until(lambda: len(bench.bench.node._power) == 3, "the next feedback")
     expected.measure_power(0.1 + 1.2 + 0.6 + 0.7)
     assert_tells(bench.ask(START + 2 * STEP, HARD)[2], expected.step(HARD, 0.2))
 
@@ -475,7 +477,7 @@ def test_lockstep_waits_for_power_from_the_demand_after_it_was_asked_for(start: 
     assert bench.bench.set_parameters(power__limit="total", power__available=2.0).successful
     expected.apply(with_parameters(settings, POWER))
     bench.send(START + STEP, HARD)
-    bench.bench.wait_until(lambda: bench.bench.node._held is not None, "the demand to be held")
+    bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the demand to be held")
     feedback = bench.bench.publisher(ThrusterFeedback, "thruster_feedback")
     feedback.publish(power_feedback(START + STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
     bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
@@ -487,7 +489,7 @@ def test_a_demand_that_waits_is_answered_once_power_does_not_matter(start: Any) 
     bench = start(synchronous=True, power__limit="total", power__available=2.0)
     bench.ask(START)
     bench.send(START + STEP)
-    bench.bench.wait_until(lambda: bench.bench.node._held is not None, "the demand to be held")
+    bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the demand to be held")
     assert bench.bench.set_parameters(power__measured=False).successful
     bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
     assert to_nanoseconds(bench.statuses[-1].header.stamp) == START + STEP
@@ -524,6 +526,144 @@ def test_bad_feedback_is_refused_and_the_ring_goes_on(
     status = bench.ask(START + 2 * STEP, HARD)[2]
     expected.measure_power(0.1 + 1.2 + 0.6 + 0.7)
     assert_tells(status, expected.step(HARD, 0.2))
+
+
+def test_power_that_has_stopped_is_forgotten(start: Any) -> None:
+    """One measurement holds for five samples, however often demands come."""
+    bench = start(azimuth_mode="rotating", power__limit="total", power__available=2.0)
+    feedback = bench.bench.publisher(ThrusterFeedback, "thruster_feedback")
+    expected = Allocator(
+        VESSEL, with_parameters(AllocatorSettings.for_vessel(VESSEL), {"azimuth_mode": "rotating", **POWER})
+    )
+    bench.ask(START, HARD)
+    expected.step(HARD, 0.2)
+    feedback.publish(power_feedback(START + STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
+    bench.bench.wait_until(lambda: len(bench.bench.node._power) == 1, "the feedback")
+    expected.measure_power(0.1 + 1.2 + 0.6 + 0.7)
+    corrections = []
+    for k in range(1, 9):
+        status = bench.ask(START + k * STEP, HARD)[2]
+        result = expected.step(HARD, 0.2)
+        assert_tells(status, result)
+        assert result.power is not None
+        corrections.append(result.power.correction)
+    assert corrections[0] != 1.0
+    assert corrections[-1] == 1.0
+
+
+ANTISPIN = {"antispin.enabled": True}
+
+
+def ventilation(stamp: int, beta_q2: list[float], names: list[str] = NAMES) -> Ventilation:
+    flags = [loss < 1.0 for loss in beta_q2]
+    message = Ventilation(name=names, ventilating=flags, beta_q=beta_q2, beta_q2=beta_q2)
+    message.header.stamp = from_nanoseconds(stamp)
+    return message
+
+
+def antispin_core() -> tuple[AllocatorSettings, Allocator]:
+    settings = AllocatorSettings.for_vessel(VESSEL, azimuth_mode="rotating")
+    return settings, Allocator(VESSEL, with_parameters(settings, ANTISPIN))
+
+
+def test_ventilation_raises_the_cost_and_is_told(start: Any) -> None:
+    """The newest one before the demand, in any order of names, for as long as it is not too old."""
+    bench, (_, expected) = start(azimuth_mode="rotating", antispin__enabled=True), antispin_core()
+    drivers = bench.bench.publisher(Ventilation, "ventilation")
+    assert_tells(bench.ask(START, HARD)[2], expected.step(HARD, 0.2))
+    health = bench.bench.diagnostics()
+    assert health["level"] == 1
+    assert "no ventilation in the last 1 s" in health["message"]
+    drivers.publish(ventilation(START + STEP - 2 * TICK, [1.0, 1.0, 0.9, 0.9]))
+    drivers.publish(ventilation(START + STEP - TICK, [0.7, 0.4, 1.0, 1.0], NAMES[::-1]))
+    drivers.publish(ventilation(START + STEP, [0.2] * 4))  # not before the demand
+    bench.bench.wait_until(lambda: len(bench.bench.node._ventilation) == 3, "three messages")
+    command, _, status = bench.ask(START + STEP, HARD)
+    expected.measure_ventilation([1.0, 1.0, 0.4, 0.7], TICK * 1e-9)
+    result = expected.step(HARD, 0.2)
+    assert_tells(status, result)
+    np.testing.assert_array_equal(command.thrust, result.thrust)
+    assert status.antispin
+    assert list(status.torque_loss) == [1.0, 1.0, 0.4, 0.7]
+    health = bench.bench.diagnostics()
+    assert (health["level"], health["spared"]) == (0, "azimuth_port 0.40 azimuth_starboard 0.70")
+    # The one that came too early counts for the next demand; then silence, until it is 1 s old.
+    expected.measure_ventilation([0.2] * 4, STEP * 1e-9)
+    for k in range(2, 10):
+        status = bench.ask(START + k * STEP, HARD)[2]
+        assert_tells(status, expected.step(HARD, 0.2))
+        assert (status.torque_loss[0] > 0.2) == (k > 6)
+    assert "no ventilation in the last 1 s: torque losses are being forgotten" in bench.bench.diagnostics()["message"]
+
+
+def test_lockstep_waits_for_power_and_ventilation_before_a_demand(start: Any) -> None:
+    """Switched on while running, too: answers do not depend on which message was faster."""
+    bench = start(azimuth_mode="rotating", synchronous=True, power__limit="total", power__available=2.0)
+    settings = with_parameters(AllocatorSettings.for_vessel(VESSEL, azimuth_mode="rotating"), POWER)
+    expected = Allocator(VESSEL, settings)
+    assert_tells(bench.ask(START, HARD)[2], expected.step(HARD, 0.2))
+    assert bench.bench.node.count_subscribers("ventilation") == 0
+    assert bench.bench.set_parameters(antispin__enabled=True).successful
+    expected.apply(with_parameters(settings, ANTISPIN))
+    bench.send(START + STEP, HARD)
+    bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the demand to be held")
+    waits = "tau_desired waits for the power of thruster_feedback and ventilation, which nobody publishes"
+    assert bench.bench.diagnostics()["message"].startswith(waits)
+    drivers = bench.bench.publisher(Ventilation, "ventilation")
+    feedback = bench.bench.publisher(ThrusterFeedback, "thruster_feedback")
+    feedback.publish(power_feedback(START + STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
+    bench.bench.wait_until(lambda: len(bench.bench.node._power) == 1, "the feedback")
+    assert bench.bench.diagnostics()["message"] == "tau_desired waits for ventilation"
+    drivers.publish(ventilation(START + STEP - 2 * TICK, [1.0, 1.0, 0.3, 0.3]))
+    bench.bench.wait_until(lambda: len(bench.bench.node._ventilation) == 1, "the one before the one that counts")
+    assert len(bench.commands) == 1
+    drivers.publish(ventilation(START + STEP - TICK, [1.0, 1.0, 0.5, 1.0]))
+    bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
+    expected.measure_power(0.1 + 1.2 + 0.6 + 0.7)
+    expected.measure_ventilation([1.0, 1.0, 0.5, 1.0], TICK * 1e-9)
+    assert_tells(bench.statuses[-1], expected.step(HARD, 0.2))
+    # Switched off while a demand waits: power alone is waited for, and losses are forgotten at their rate.
+    bench.send(START + 2 * STEP, HARD)
+    bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the next demand to be held")
+    feedback.publish(power_feedback(START + 2 * STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
+    bench.bench.wait_until(lambda: len(bench.bench.node._power) == 2, "the next feedback")
+    assert len(bench.statuses) == 2
+    assert bench.bench.set_parameters(antispin__enabled=False).successful
+    bench.bench.wait_until(lambda: len(bench.statuses) == 3, "an answer")
+    expected.apply(settings)
+    expected.measure_power(0.1 + 1.2 + 0.6 + 0.7)
+    assert_tells(bench.statuses[-1], expected.step(HARD, 0.2))
+    assert bench.statuses[-1].torque_loss[2] == pytest.approx(0.52)
+
+
+@pytest.mark.parametrize(
+    ("names", "beta_q2", "reason"),
+    [
+        (NAMES, [1.0, math.nan, 1.0, 1.0], "ventilation: beta_q2: expected finite numbers"),
+        (NAMES, [1.0, 1.0], "ventilation: beta_q2: expected shape (4,), found (2,)"),
+        (NAMES, [1.0, -0.2, 1.0, 1.0], "ventilation: beta_q2: expected factors from 0 to 1"),
+        (NAMES, [1.0, 1.2, 1.0, 1.0], "ventilation: beta_q2: expected factors from 0 to 1"),
+        ([*NAMES[:3], "rudder"], [1.0] * 4, "ventilation: expected the thrusters"),
+        (NAMES[:2], [1.0] * 4, "ventilation: expected the thrusters"),
+    ],
+)
+def test_bad_ventilation_is_refused_and_the_ring_goes_on(
+    start: Any, names: list[str], beta_q2: list[float], reason: str
+) -> None:
+    bench = start(azimuth_mode="rotating", synchronous=True, antispin__enabled=True)
+    _, expected = antispin_core()
+    drivers = bench.bench.publisher(Ventilation, "ventilation")
+    bench.ask(START, HARD)
+    expected.step(HARD, 0.2)
+    drivers.publish(ventilation(START + STEP - TICK, [1.0, 1.0, 0.5, 1.0]))
+    bench.ask(START + STEP, HARD)
+    expected.measure_ventilation([1.0, 1.0, 0.5, 1.0], TICK * 1e-9)
+    expected.step(HARD, 0.2)
+    bench.send(START + 2 * STEP, HARD)
+    drivers.publish(ventilation(START + 2 * STEP - TICK, beta_q2, names))
+    assert reason in bench.refused(1)
+    bench.bench.wait_until(lambda: len(bench.statuses) == 3, "an answer all the same")
+    assert_tells(bench.statuses[-1], expected.step(HARD, 0.2))
 
 
 def test_every_parameter_describes_itself_with_unit_and_range(start: Any) -> None:

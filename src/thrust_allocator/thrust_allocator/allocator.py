@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
@@ -13,6 +14,7 @@ from marine_model.errors import InputError
 from marine_model.frames import wrap_angle
 from marine_model.gains import FixedRotatingGains, SectorGains
 from marine_model.guards import FloatArray, finite_vector, positive_number
+from thrust_allocator.antispin import POWER_TRUE, QUADRATIC, AntiSpin
 from thrust_allocator.cost import propeller_weights, reweight, thrust_floor
 from thrust_allocator.engine import Answer, Engine
 from thrust_allocator.mode_supervisor import AzimuthMode, ModeState, next_mode
@@ -70,7 +72,8 @@ class Allocator:
         self._largest_force = _LARGEST_DEMAND * strength
         self._largest_moment = _LARGEST_DEMAND * strength * arm
         self._floor = thrust_floor(vessel.thrust_min, vessel.thrust_max)
-        self._cost_factor = np.ones(self._n)
+        self._no_factor = np.ones(self._n)
+        self._antispin = AntiSpin(self._n)
         self._sectors = SectorControl(vessel, self._engine.columns, self._engine.compliance)
         self._power = PowerLimiter(vessel, self._engine)
         self._feathering = Feathering(self._n)
@@ -110,7 +113,8 @@ class Allocator:
         """
         if self._answer is None:
             return []
-        return self._sectors.problems(self._engine.weights, self._answer.tau)
+        weights = replace(self._engine.weights, thrust=self._sector_weight())
+        return self._sectors.problems(weights, self._answer.tau)
 
     def cheapest_windows(self, tau_desired: ArrayLike) -> tuple[float, tuple[int, ...]]:
         """Return the least cost of all sub-problems for a demand, and the window of every thruster there.
@@ -122,7 +126,7 @@ class Allocator:
         InputError
             If the demand has the wrong shape or is not finite.
         """
-        return self._sectors.optimum(self._weight, finite_vector("tau_desired", tau_desired, 3))
+        return self._sectors.optimum(self._sector_weight(), finite_vector("tau_desired", tau_desired, 3))
 
     def apply(self, settings: AllocatorSettings) -> None:
         """Swap the settings whole; they hold from the next step on.
@@ -149,6 +153,7 @@ class Allocator:
         rule = switching_rule(SectorGains(**settings.sectors.model_dump(exclude={"enabled"})))
         self._sectors.apply(rule)
         self._power.apply(settings.power)
+        self._antispin.apply(settings.antispin)
         weight = self._engine.weights.thrust
         if settings.thrust_weight == "propeller":
             weight = propeller_weights(self._engine.power_factor)
@@ -186,6 +191,7 @@ class Allocator:
         self._mode_state = ModeState()
         self._sectors.reset()
         self._power.reset()
+        self._antispin.reset()
         self._feathering.reset()
         if self._avoidance is not None:
             self._avoidance.reset()
@@ -193,6 +199,24 @@ class Allocator:
     def measure_power(self, power: float) -> None:
         """Take the measured power of all thrusters together (W): it corrects the prediction, [Ruth] (4.44)."""
         self._power.measure(power)
+
+    def measure_ventilation(self, torque_loss: ArrayLike, age: float = 0.0) -> None:
+        """Take what air has left of the propellers' torque: it raises their cost, [Ruth] (5.18), if ``antispin`` is on.
+
+        Parameters
+        ----------
+        torque_loss
+            beta_Q2 of (5.17) for every thruster, shape (n,), from 0 to 1, which is without loss. The least since the
+            step before will do for whoever has no memory of losses.
+        age
+            How old that is at the next step, s. It holds until it is older than ``antispin.timeout``.
+
+        Raises
+        ------
+        InputError
+            If the shape is wrong, a number is not within 0 and 1, or ``age`` is not 0 or more; nothing is changed.
+        """
+        self._antispin.measure(torque_loss, age)
 
     def step(self, tau_desired: ArrayLike, dt: float) -> AllocationResult:
         """Return thrusts and directions for a demand; always within the limits.
@@ -222,10 +246,11 @@ class Allocator:
             self._feathering.step(limits, dt)
         tamed = self._tamed(tau)
         rotating = self._choose_mode(tamed, elapsed)
+        self._antispin.step(elapsed)
         weight = self._weight_now()
         sectors: SectorReport | None = None
         if settings.sectors.enabled:
-            sectors = self._sectors.step(limits, before, self._weight, tamed, elapsed)
+            sectors = self._sectors.step(limits, before, self._sector_weight(), tamed, elapsed)
         power: PowerReport | None = None
         avoidance: AvoidanceReport | None = None
 
@@ -270,6 +295,9 @@ class Allocator:
             sectors=sectors,
             power=power,
             avoidance=avoidance,
+            antispin=self._antispin.on,
+            ventilation_known=self._antispin.known,
+            torque_loss=self._antispin.torque_loss,
             limits=limits,
             monitoring=self._monitoring,
             problem=answer.problem if failed else None,
@@ -293,12 +321,21 @@ class Allocator:
 
     def _weight_now(self) -> FloatArray:
         """Return the diagonal of W_u^2 for this step, shape (n,)."""
+        antispin = self._antispin
         if self._settings.cost == "quadratic":
-            return self._weight
+            return self._weight * antispin.factor(QUADRATIC) if antispin.acts else self._weight
         weight = np.empty(self._n)
         thrust = np.ascontiguousarray(self._before[:, Command.THRUST])
-        reweight(self._weight, self._cost_factor, thrust, self._floor, weight)
+        factor = antispin.factor(POWER_TRUE) if antispin.acts else self._no_factor
+        reweight(self._weight, factor, thrust, self._floor, weight)
         return weight
+
+    def _sector_weight(self) -> FloatArray:
+        """Return the diagonal of W_u^2 by which windows are compared, shape (n,): of the quadratic cost in any case.
+
+        A window that is reached in some seconds is no matter of the present thrusts.
+        """
+        return self._weight * self._antispin.factor(QUADRATIC) if self._antispin.acts else self._weight
 
     def _run(
         self,

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections import deque
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback
+from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback, Ventilation
 from geometry_msgs.msg import WrenchStamped
 
-from dp_node import Health, RingNode, StampSequence, run_node, to_nanoseconds
+from dp_node import Health, RingNode, StampSequence, run_node, seconds_between, to_nanoseconds
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME
 from marine_model.guards import FloatArray, finite_vector
 from thrust_allocator.allocator import Allocator
 from thrust_allocator.node_health import Tally, health_of
+from thrust_allocator.node_inputs import Inbox, WaitingRoom
 from thrust_allocator.result import AllocationResult, Status
 from thrust_allocator.settings import AllocatorSettings, check_settings
 
+VENTILATION = "ventilation"
 _INITIAL = ("vessel", "feedback")
-# Measurements of power that are kept until a demand comes.
-_POWERS = 256
 
 
 class AllocatorNode(RingNode[AllocatorSettings]):
@@ -59,17 +59,20 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._command = self.publish_on(ThrusterCommand, "thruster_command")
         self._achieved = self.publish_on(WrenchStamped, "tau_achieved")
         self._status = self.publish_on(AllocationStatus, "allocation_status")
+        # Power of every thruster; beta_Q2 of every thruster.
+        self._power: Inbox[FloatArray] = Inbox("the power of thruster_feedback")
+        self._ventilation: Inbox[FloatArray] = Inbox(VENTILATION)
+        self._room: WaitingRoom[Any] = WaitingRoom(round(self.vessel.simulation.time_step * 1e9))
         self._forget()
         self.listen(WrenchStamped, "tau_desired", self._on_demand)
-        self._hears_feedback = False
-        self._hear_feedback()
+        self._hears_feedback = self._hears_ventilation = False
+        self._hear()
 
     def apply(self, settings: AllocatorSettings) -> None:
         """Hand changed settings to the core; they hold from the next demand on."""
         self._core.apply(settings)
-        self._hear_feedback()
-        if self._held is not None and not self.settings.power.needs_measurement:
-            self._answer_held()
+        self._hear()
+        self._answer_held()
 
     def started(self) -> None:
         """Begin anew: without thrust, pointing where the last command left the thrusters."""
@@ -78,70 +81,105 @@ class AllocatorNode(RingNode[AllocatorSettings]):
 
     def health(self) -> Health:
         """Return status of the last answer, counts of fall-backs, what limits it, and solve times."""
-        waiting = ""
+        waiting, missing = "", self._room.waits_for(self._needed())
         if self._waiting:
             waiting = "no thruster_feedback yet: demands are refused"
-        elif self._held is not None:
-            waiting = "tau_desired waits for the power of thruster_feedback"
+        elif missing:
+            waiting = f"tau_desired waits for {' and '.join(missing)}"
+            if VENTILATION in missing and not self.count_publishers(VENTILATION):
+                waiting += ", which nobody publishes"
         health = health_of(self._tally, self.settings, self.vessel, waiting)
         self._tally.reported()
         return health
 
-    def _hear_feedback(self) -> None:
-        """Listen to thruster_feedback where it is needed; it comes ten times as often as demands do."""
+    def _hear(self) -> None:
+        """Listen to what is needed only where it is: it comes ten times as often as demands do."""
         if not self._hears_feedback and (self._initial == "feedback" or self.settings.power.needs_measurement):
             self._hears_feedback = True
             self.listen(ThrusterFeedback, "thruster_feedback", self._on_feedback)
+        if not self._hears_ventilation and self.settings.antispin.enabled:
+            self._hears_ventilation = True
+            self.listen(Ventilation, VENTILATION, self._on_ventilation)
+
+    def _needed(self) -> list[Inbox[FloatArray]]:
+        """Return the inboxes that have a say in the next demand."""
+        needed = []
+        if self.settings.power.needs_measurement:
+            needed.append(self._power)
+        if self.settings.antispin.enabled:
+            needed.append(self._ventilation)
+        return needed
 
     def _forget(self) -> None:
-        # Stamp and power of every thruster; None where it was refused.
-        self._powers: deque[tuple[int, FloatArray | None]] = deque(maxlen=_POWERS)
-        self._held: Any = None
+        self._power.clear()
+        self._ventilation.clear()
+        self._room.clear()
         self._stamps = StampSequence("tau_desired")
         self._waiting = self._initial == "feedback"
         self._tally = Tally()
 
     def _on_feedback(self, message: Any) -> None:
         if self.settings.power.needs_measurement:
-            self._powers.append((to_nanoseconds(message.header.stamp), None))
-            try:
-                power = finite_vector("thruster_feedback: power", message.power, len(self._names))
-                self._powers[-1] = (self._powers[-1][0], power[self._order(message)])
-            finally:
-                # Refused or not: a demand that waits is answered, or the ring would stand still.
-                if self._held is not None and self._powers[-1][0] >= self._needed(self._held):
-                    self._answer_held()
+            self._keep(
+                self._power,
+                message,
+                lambda: finite_vector("thruster_feedback: power", message.power, len(self._names))[
+                    self._order("thruster_feedback", message)
+                ],
+            )
         if self._waiting:
             self._start_from(message)
 
+    def _on_ventilation(self, message: Any) -> None:
+        if self.settings.antispin.enabled:
+            self._keep(self._ventilation, message, lambda: self._torque_loss(message))
+
+    def _torque_loss(self, message: Any) -> FloatArray:
+        """Return beta_Q2 in the order of the vessel file."""
+        loss = finite_vector("ventilation: beta_q2", message.beta_q2, len(self._names))
+        if not ((loss >= 0.0) & (loss <= 1.0)).all():
+            raise InputError(f"ventilation: beta_q2: expected factors from 0 to 1, found {loss.tolist()}")
+        return loss[self._order(VENTILATION, message)]
+
+    def _keep(self, inbox: Inbox[FloatArray], message: Any, read: Callable[[], FloatArray]) -> None:
+        """Put what ``read`` returns into ``inbox``, and answer the demand that waited for it."""
+        found = None
+        try:
+            found = read()
+        finally:
+            # Refused or not: a demand that waits is answered, or the ring would stand still.
+            inbox.put(to_nanoseconds(message.header.stamp), found)
+            self._answer_held()
+
     def _answer_held(self) -> None:
-        held, self._held = self._held, None
+        held = self._room.release(self._needed())
+        if held is None:
+            return
         try:
             self._answer(held)
         except InputError as error:
             self.refuse(str(error))
 
-    def _order(self, message: Any) -> list[int]:
-        """Return where each thruster of the vessel stands in a feedback."""
+    def _order(self, topic: str, message: Any) -> list[int]:
+        """Return where each thruster of the vessel stands in a message."""
         names = list(message.name)
         if sorted(names) != sorted(self._names):
-            raise InputError(f"thruster_feedback: expected the thrusters {self._names}, found {names}")
+            raise InputError(f"{topic}: expected the thrusters {self._names}, found {names}")
         return [names.index(name) for name in self._names]
 
-    def _measure_power(self, stamp: int) -> None:
-        """Hand the core what was measured last before ``stamp`` (ns), of the thrusters that are not lost."""
-        for at, power in reversed(self._powers):
-            if at < stamp:
-                if power is not None:
-                    self._core.measure_power(float(power[self.settings.enabled(self.vessel)].sum()))
-                return
-
-    def _needed(self, demand: Any) -> int:
-        """Return the stamp of the feedback before a demand, where the simulator sends one at every time step."""
-        return to_nanoseconds(demand.header.stamp) - round(self.vessel.simulation.time_step * 1e9)
+    def _measure(self, stamp: int) -> None:
+        """Hand the core what came last before ``stamp`` (ns): power of the thrusters that are not lost, ventilation."""
+        if self.settings.power.needs_measurement:
+            power = self._power.take(stamp)
+            if power is not None:
+                self._core.measure_power(float(power[1][self.settings.enabled(self.vessel)].sum()))
+        if self.settings.antispin.enabled:
+            loss = self._ventilation.take(stamp)
+            if loss is not None:
+                self._core.measure_ventilation(loss[1], seconds_between(loss[0], stamp))
 
     def _start_from(self, message: Any) -> None:
-        order = self._order(message)
+        order = self._order("thruster_feedback", message)
         n = len(order)
         azimuth = finite_vector("thruster_feedback: azimuth", message.azimuth, n)[order]
         shaft_speed = finite_vector("thruster_feedback: shaft_speed", message.shaft_speed, n)[order]
@@ -153,22 +191,22 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             raise InputError(f"tau_desired: expected frame_id '{BODY_FRAME}', found '{message.header.frame_id}'")
         if self._waiting:
             raise InputError("tau_desired: refused until the first thruster_feedback says where the thrusters point")
-        # In lockstep the measured power is the same in every run, so that a demand waits for it. Before the first
-        # demand there has been none.
-        if self.synchronous and self.settings.power.needs_measurement and self._stamps.last is not None:
-            latest = self._powers[-1][0] if self._powers else None
-            if latest is None or latest < self._needed(message):
-                if self._held is not None:
-                    self.refuse("tau_desired: another came before the thruster_feedback that this one waited for")
-                self._held = message
+        # In lockstep what was measured is the same in every run, so that a demand waits for it. Before the first demand
+        # there has been nothing.
+        if self.synchronous and self._stamps.last is not None:
+            stamp = to_nanoseconds(message.header.stamp)
+            missing = self._room.missing(stamp, self._needed())
+            if missing:
+                if self._room.holds:
+                    self.refuse(f"tau_desired: another came before {' and '.join(missing)} that this one waited for")
+                self._room.hold(stamp, message)
                 return
         self._answer(message)
 
     def _answer(self, message: Any) -> None:
         stamp = message.header.stamp
         dt = self._stamps.step(stamp, self.vessel.measurement.sample_time)
-        if self.settings.power.needs_measurement:
-            self._measure_power(to_nanoseconds(stamp))
+        self._measure(to_nanoseconds(stamp))
         wrench = message.wrench
         result = self._core.step((wrench.force.x, wrench.force.y, wrench.torque.z), dt)
         self._publish(stamp, result)
@@ -230,6 +268,8 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         if result.sectors is not None:
             status.sub_problem = result.sectors.sub_problem
             status.crossing = list(result.sectors.crossing)
+        status.antispin = result.antispin
+        status.torque_loss = array("d", result.torque_loss.tobytes())
         margin = result.margin
         status.margin, status.margin_turned = margin.fixed, margin.turning
         gains = result.gains

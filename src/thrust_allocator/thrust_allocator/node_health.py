@@ -125,6 +125,9 @@ def _values(last: AllocationResult, settings: AllocatorSettings, vessel: Vessel)
     if last.sectors is not None:
         found["sub_problem"] = last.sectors.sub_problem
         found["crossing"] = " ".join(_named(vessel.thruster_names, last.sectors.crossing))
+    if last.antispin:
+        spared = zip(vessel.thruster_names, last.torque_loss.tolist(), strict=True)
+        found["spared"] = " ".join([f"{name} {loss:.2f}" for name, loss in spared if loss < 1.0])
     found["minimum_gain"] = last.gains.global_gain
     found["minimum_gain_both_ways"] = last.gain_both_ways.gain
     found["singularity_method"] = settings.singularity.method
@@ -159,6 +162,8 @@ def _warnings(last: AllocationResult, settings: AllocatorSettings, vessel: Vesse
                     f"power of {vessel.power.buses[i].name} limited: {power.bus[i]:.4g} W of "
                     f"{settings.power.bus_limit[i]:.4g} W"
                 )
+    if settings.antispin.enabled and last.antispin and not last.ventilation_known:
+        found.append(f"no ventilation in the last {settings.antispin.timeout:.3g} s: torque losses are being forgotten")
     avoidance = last.avoidance
     # Without avoidance nobody asked: the optimum of many demands lies below any limit.
     if avoidance is not None and avoidance.minimum_gain < avoidance.threshold * (1.0 - _ROUNDING):

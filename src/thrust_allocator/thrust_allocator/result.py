@@ -61,6 +61,12 @@ class AllocationResult:
         What power had to do with it; None without a limit of power.
     avoidance
         What singularity avoidance did; None without it.
+    antispin
+        Whether ventilation has a say in the cost: ``antispin.enabled``, or losses that are not forgotten yet.
+    ventilation_known
+        Whether it is on and was told of ventilation within ``antispin.timeout``.
+    torque_loss
+        beta_Q2 in use, shape (n,), 1 without loss.
     limits
         Table of limits of this step, shape (n, 14), see :class:`phase.Limit`.
     monitoring
@@ -80,6 +86,9 @@ class AllocationResult:
     sectors: SectorReport | None
     power: PowerReport | None
     avoidance: AvoidanceReport | None
+    antispin: bool
+    ventilation_known: bool
+    torque_loss: FloatArray
     limits: FloatArray
     monitoring: Monitoring
     problem: AllocationProblem | None

@@ -20,6 +20,8 @@ Switches = Annotated[tuple[bool, ...], Field(strict=False)]
 Fractions = Annotated[tuple[Fraction, ...], Field(strict=False)]
 # W; what stands for no limit, where a vessel file gives none.
 UNLIMITED = 1e9
+# Samples of the vessel for which what was told of ventilation holds.
+_LONGEST_SILENCE = 5.0
 Powers = Annotated[tuple[Annotated[float, Field(ge=0.0, le=UNLIMITED)], ...], Field(strict=False)]
 
 
@@ -63,6 +65,24 @@ class PowerSettings(Settings):
     def needs_measurement(self) -> bool:
         """Whether the measured power has a say."""
         return self.limit != "none" and self.measured
+
+
+class AntiSpinSettings(Settings):
+    """Cost of thrust of ventilating thrusters, [Ruth] (5.11)-(5.18)."""
+
+    enabled: bool = setting(False, "Raise the cost of thrusters that draw air, as ventilation tells")
+    exponent_m: float = setting(
+        0.65, "m in beta_Q = beta_T^m: how torque goes with thrust when air is drawn", ge=0.5, le=1.5
+    )
+    relax_rate: float = setting(
+        0.1, "How fast a torque loss is forgotten, largest rise of beta_Q2", unit="1/s", ge=1e-3, le=100.0
+    )
+    # Table 2.5 in (2.51): 0.87 * 0.05 + 0.13 is what is left of the torque in full ventilation.
+    loss_min: float = setting(0.17, "Torque loss factor below which the cost rises no further", ge=0.1, le=1.0)
+    excluded: Switches = setting((), "Per thruster: true for one whose cost stays, whatever it is said to draw")
+    timeout: float = setting(
+        1.0, "Age from which ventilation counts as unknown, and losses are forgotten", unit="s", ge=1e-3, le=3600.0
+    )
 
 
 class AllocatorSettings(Settings):
@@ -115,6 +135,7 @@ class AllocatorSettings(Settings):
     sectors: SectorSettings = Field(default=SectorSettings())
     power: PowerSettings = Field(default=PowerSettings())
     singularity: SingularitySettings = Field(default=SingularitySettings())
+    antispin: AntiSpinSettings = Field(default=AntiSpinSettings())
 
     def enabled(self, vessel: Vessel) -> NDArray[np.bool_]:
         """Return which thrusters are not lost, shape (n,)."""
@@ -141,6 +162,9 @@ class AllocatorSettings(Settings):
         )
         if gains.singularity is not None:
             values["singularity"] = SingularitySettings(**gains.singularity.model_dump())
+        values["antispin"] = AntiSpinSettings(
+            excluded=(False,) * n, timeout=_LONGEST_SILENCE * vessel.measurement.sample_time
+        )
         return cls(**(values | overrides))
 
 
@@ -154,8 +178,15 @@ def check_settings(settings: AllocatorSettings, vessel: Vessel) -> None:
         asked for that was not given.
     """
     n = len(vessel.thrusters)
-    for name in ("thruster_enabled", "azimuth_enabled", "thrust_limit_scale", "azimuth_rate_scale"):
-        found = len(getattr(settings, name))
+    per_thruster = {
+        "thruster_enabled": settings.thruster_enabled,
+        "azimuth_enabled": settings.azimuth_enabled,
+        "thrust_limit_scale": settings.thrust_limit_scale,
+        "azimuth_rate_scale": settings.azimuth_rate_scale,
+        "antispin.excluded": settings.antispin.excluded,
+    }
+    for name, values in per_thruster.items():
+        found = len(values)
         if found not in (0, n):
             raise InputError(
                 f"{name}: expected {n} elements, one a thruster ({', '.join(vessel.thruster_names)}), found {found}"

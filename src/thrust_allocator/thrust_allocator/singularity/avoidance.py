@@ -168,7 +168,6 @@ class Avoidance:
         """Begin anew at the next step: after another mode, or another operating point."""
         self._free_before: FloatArray | None = None
         self._free_multiplier, self._multiplier = np.zeros(3), np.zeros(3)
-        self._weight: FloatArray | None = None
         self._kept: FloatArray | None = None  # alpha_B
         self._sufficient_for = 0.0  # t_2
         self._kept_for = 0.0
@@ -206,12 +205,12 @@ class Avoidance:
         free = run(limits, self._free_before, self._free_multiplier, tau)
         self._free_before, self._free_multiplier = free.commands, free.multiplier
         cost_free = float(free.totals[Total.COST])
-        now = self._situation(limits, before, free.weight if self._weight is None else self._weight, tau, dt)
+        now = self._situation(limits, before, free.weight, tau, dt)
         if now is None:
             self._kept = None
             self._leave()
             answer = run(limits, before, self._multiplier, tau)
-            self._multiplier, self._weight = answer.multiplier, answer.weight
+            self._multiplier = answer.multiplier
             cost = float(answer.totals[Total.COST])
             return answer, AvoidanceReport(
                 "none", math.nan, math.nan, 0.0, False, False, False, cost_free, cost, False, 0.0, math.nan, math.nan
@@ -227,7 +226,7 @@ class Avoidance:
         else:
             target = self._follow(now, may_cross=method == "crossing")
         answer = run(_held(limits, before, target, now), before, self._multiplier, tau)
-        self._multiplier, self._weight = answer.multiplier, answer.weight
+        self._multiplier = answer.multiplier
         cost = float(answer.totals[Total.COST])
         if method == "three_step":
             locked = self._watch_lock(now, cost, cost_free)
