@@ -203,18 +203,18 @@ WRONG = [
         "thrusters.1.name: String should match pattern '^[a-z][a-z0-9_]*$', found 'Azimuth Bow'",
     ),
     (
-        "position: [0.76, 0.0, 0.0]",
+        "position: [0.76, 0.0, 0.19]",
         "position: [0.76, 0.0]",
         "thrusters.1.position.2: Field required",
     ),
     (
-        "position: [0.76, 0.0, 0.0]",
-        "position: [0.76, port, 0.0]",
+        "position: [0.76, 0.0, 0.19]",
+        "position: [0.76, port, 0.19]",
         "thrusters.1.position.1: Input should be a valid number, found 'port'",
     ),
     (
-        "position: [0.76, 0.0, 0.0]",
-        "position: [0.76, true, 0.0]",
+        "position: [0.76, 0.0, 0.19]",
+        "position: [0.76, true, 0.19]",
         "thrusters.1.position.1: Input should be a valid number, found True",
     ),
     (
@@ -377,7 +377,7 @@ def test_every_problem_is_reported_at_once(tmp_path: Path) -> None:
 def test_an_unknown_vessel_is_answered_with_the_known_ones(name: str) -> None:
     with pytest.raises(UnknownNameError) as caught:
         load_vessel(name)
-    expected = f"vessel: expected a path or one of cybership3, cybership3_ch7, found '{name}'"
+    expected = f"vessel: expected a path or one of cybership3, cybership3_ch7, cybership3_trimmed, found '{name}'"
     assert str(caught.value) == expected
 
 
@@ -436,7 +436,9 @@ class TestExtends:
         path = write(tmp_path, "name: x\nextends: cybership9\n")
         with pytest.raises(UnknownNameError) as caught:
             load_vessel(path)
-        expected = "vessel: expected a path or one of cybership3, cybership3_ch7, found 'cybership9'"
+        expected = (
+            "vessel: expected a path or one of cybership3, cybership3_ch7, cybership3_trimmed, found 'cybership9'"
+        )
         assert str(caught.value) == f"{path}:2: extends: {expected}"
 
     @pytest.mark.parametrize("value", ["", "3", "[cybership3]"])
