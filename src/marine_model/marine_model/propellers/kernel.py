@@ -177,10 +177,10 @@ def _area_pressure(diameter: float, density: float, shaft_speed: float, advance_
 @compiled
 def _advance_number(diameter: float, shaft_speed: float, advance_speed: float) -> float:
     """Return J of [Ruth] (2.11); at n = 0 infinity with the sign of V_A, and 0 where both are 0."""
-    if shaft_speed != 0.0:
-        return advance_speed / (shaft_speed * diameter)
     if advance_speed == 0.0:
         return 0.0
+    if shaft_speed != 0.0:
+        return advance_speed / (shaft_speed * diameter)
     return math.copysign(math.inf, advance_speed)
 
 

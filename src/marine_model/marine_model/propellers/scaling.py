@@ -75,7 +75,7 @@ class FroudeScale:
     @property
     def power(self) -> float:
         """Lambda^3.5 and density."""
-        return self.density_ratio * self.scale**3.5
+        return self.density_ratio * self.scale**3 * math.sqrt(self.scale)
 
 
 @dataclass(frozen=True)
@@ -268,8 +268,8 @@ def _froude(run: ModelRun) -> tuple[bool, str]:
         shaft_speed = run.shaft_speed * FroudeScale(run.scale).shaft_speed
         return True, f"for a ship at n = {shaft_speed:.4g} Hz"
     return False, (
-        f"expected at most {FROUDE_OF_SHIPS:g}, what a ship reaches, or above {FROUDE_FREE:g}, where it does not count, "
-        f"found {number:.3g}"
+        f"expected at most {FROUDE_OF_SHIPS:g}, what a ship reaches, or above {FROUDE_FREE:g}, where gravity does not "
+        f"count, found {number:.3g}"
     )
 
 

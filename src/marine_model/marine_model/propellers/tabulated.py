@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -142,7 +143,7 @@ def pitch_fault(pitch_ratio: Sequence[float]) -> Fault | None:
     """Return what is wrong with the pitch ratios of a table: none, one not above 0, or not rising."""
     if not pitch_ratio:
         return ("pitch_ratio",), "expected at least 1 number, found none"
-    if pitch_ratio[0] <= 0.0:
+    if not 0.0 < pitch_ratio[0] < math.inf:
         return ("pitch_ratio", 0), f"expected a number above 0, found {pitch_ratio[0]:g}"
     return not_rising("pitch_ratio", pitch_ratio)
 
@@ -150,8 +151,8 @@ def pitch_fault(pitch_ratio: Sequence[float]) -> Fault | None:
 def not_rising(name: str, values: Sequence[float]) -> Fault | None:
     """Return the first value that is not above the one before it."""
     for i in range(1, len(values)):
-        if not values[i] > values[i - 1]:
-            return (name, i), f"expected more than {values[i - 1]:g} before it, found {values[i]:g}"
+        if not math.inf > values[i] > values[i - 1]:
+            return (name, i), f"expected a finite number above {values[i - 1]:g} before it, found {values[i]:g}"
     return None
 
 
@@ -163,6 +164,6 @@ def shape_fault(name: str, table: Rows, rows: int, columns: int) -> Fault | None
         if len(row) != columns:
             return (name, i), f"expected {columns} numbers, found {len(row)}"
         for k, value in enumerate(row):
-            if not np.isfinite(value):
+            if not math.isfinite(value):
                 return (name, i, k), f"expected a finite number, found {value}"
     return None
