@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from marine_model.matrix_checks import require_positive_definite, require_symmetric
 from marine_model.schema import Matrix3, NonNegativeVector3, Positive, Section, Vector3
@@ -18,6 +18,8 @@ class Particulars(Section):
     beam: Positive  # m
     draught: Positive  # m
     mass: Positive  # kg
+    # rad, positive with the bow down; beyond what a ship floats at it is taken for degrees.
+    trim: Annotated[float, Field(ge=-0.3, le=0.3)] = 0.0
 
 
 class Manoeuvring(Section):

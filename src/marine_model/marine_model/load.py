@@ -1,4 +1,4 @@
-"""Vessel files by name or path."""
+"""Vessel files by name or path, with the data files of their propellers."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from marine_model.errors import DocumentError, UnknownNameError
+from marine_model.propellers.sections import DATA_FIELDS
 from marine_model.vessel import Vessel
 from marine_model.yaml_document import FieldPath, YamlDocument, read_yaml, validate
 
 VESSEL_FOLDER = Path(__file__).parent / "vessels"
+DATA_FOLDER = Path(__file__).parent / "data"
 
 
 def vessel_names() -> tuple[str, ...]:
@@ -32,7 +34,7 @@ def load_vessel(name_or_path: str | Path) -> Vessel:
     DocumentError
         If the file cannot be read or breaks the schema: one line per problem, with file, line and field.
     """
-    document = _merged(vessel_path(name_or_path), ())
+    document = _with_propeller_data(_merged(vessel_path(name_or_path), ()))
     return validate(document.content, Vessel, document)
 
 
@@ -68,8 +70,47 @@ def _merged(path: Path, chain: tuple[Path, ...]) -> YamlDocument:
     return _Overlay(_merged(base_path, (*chain, path.resolve())), document).document()
 
 
+def _with_propeller_data(document: YamlDocument) -> YamlDocument:
+    """Put the content of every propeller's data file where it would stand in the vessel file.
+
+    Problems in it are told with file and line of the data file. Raises DocumentError.
+    """
+    thrusters = document.content.get("thrusters")
+    lines, files = dict(document.lines), dict(document.files)
+    for i, thruster in enumerate(thrusters if isinstance(thrusters, list) else []):
+        propeller = thruster.get("propeller") if isinstance(thruster, dict) else None
+        if not isinstance(propeller, dict):
+            continue
+        model, name = propeller.get("model"), propeller.get("file")
+        field = DATA_FIELDS.get(model) if isinstance(model, str) else None
+        if field is None or not isinstance(name, str):
+            continue
+        place: FieldPath = ("thrusters", i, "propeller")
+        if field in propeller:
+            raise DocumentError(document.problem((*place, field), "expected none beside 'file', found one"))
+        path = _data_path(name, document, (*place, "file"))
+        data = read_yaml(path)
+        propeller[field] = data.content
+        for at, line in data.lines.items():
+            lines[(*place, field, *at)] = line
+            files[(*place, field, *at)] = path
+    return YamlDocument(document.path, document.content, lines, files)
+
+
+def _data_path(name: str, document: YamlDocument, place: FieldPath) -> Path:
+    """Return a data file: beside the file that names it, or among those of this package."""
+    beside = document.files.get(place, document.path).parent / name
+    for path in (beside, DATA_FOLDER / name):
+        if path.is_file():
+            return path
+    known = ", ".join(sorted(path.name for path in DATA_FOLDER.glob("*.yaml")))
+    raise DocumentError(document.problem(place, f"expected a file beside this one or one of {known}, found '{name}'"))
+
+
 class _Overlay:
     """Lays one document on another: mappings merge by key, lists of named mappings by name, the rest is replaced.
+
+    A mapping with another ``model`` is another thing and is replaced whole.
 
     Keeps track of file and line of every field of the result.
     """
@@ -88,7 +129,7 @@ class _Overlay:
     def _lay(self, base: Any, over: Any, place: FieldPath, own: FieldPath) -> Any:
         """Return ``over`` on ``base``; ``place`` is where it goes, ``own`` where it is in its own file."""
         self._note(place, own)
-        if isinstance(base, dict) and isinstance(over, dict):
+        if isinstance(base, dict) and isinstance(over, dict) and over.get("model") in (None, base.get("model")):
             merged = dict(base)
             for key, value in over.items():
                 merged[key] = self._lay(base.get(key), value, (*place, key), (*own, key))

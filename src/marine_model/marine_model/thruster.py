@@ -6,7 +6,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from marine_model.schema import NonNegative, Positive, Section, Vector3
+from marine_model.propellers.sections import PropellerData
+from marine_model.schema import FieldError, NonNegative, Positive, Section, Vector3
 from marine_model.sector import Direction, Sector, check_sectors
 
 
@@ -39,14 +40,6 @@ class AzimuthLimits(Section):
         return self
 
 
-class PropellerData(Section):
-    """Open-water data at zero advance number."""
-
-    diameter: Positive  # m
-    thrust_coefficient: Positive  # K_T(J=0)
-    torque_coefficient: Positive  # K_Q(J=0)
-
-
 class ShaftDrive(Section):
     """Motor and shaft, referred to the propeller shaft."""
 
@@ -54,6 +47,21 @@ class ShaftDrive(Section):
     torque_max: Positive  # N m, motor torque limit either way
     friction_static: NonNegative  # N m, Coulomb friction
     friction_viscous: NonNegative  # N m s (per Hz of shaft speed)
+
+
+class PitchDrive(Section):
+    """Pitch actuator of a controllable-pitch propeller: a first-order lag with a largest rate."""
+
+    min: float  # P/D
+    max: float  # P/D
+    rate: Positive  # 1/s, largest rate of change of P/D
+    time_constant: Positive  # s
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.min >= self.max:
+            raise ValueError(f"pitch.min must be below pitch.max, found {self.min} and {self.max}")
+        return self
 
 
 class AzimuthDrive(Section):
@@ -65,10 +73,35 @@ class AzimuthDrive(Section):
 
 class _Thruster(Section):
     name: str = Field(min_length=1, pattern=r"^[a-z][a-z0-9_]*$")
-    position: Vector3  # m, body frame: ahead, to starboard, down
+    position: Vector3  # m, body frame, from the calm waterline: ahead, to starboard, down (the depth of the shaft)
     thrust: ThrustLimits
     propeller: PropellerData
+    pitch: PitchDrive | None = None  # a controllable-pitch propeller; none when absent
     shaft: ShaftDrive
+
+    @model_validator(mode="after")
+    def _pitch_is_known(self) -> Self:
+        if self.pitch is None:
+            return self
+        low, high = self.pitch.min, self.pitch.max
+        known = self.propeller.build().pitch_range
+        if known is None:
+            raise FieldError(
+                ("pitch",), f"expected none, because the propeller model '{self.propeller.model}' knows one pitch ratio"
+            )
+        if not (known[0] <= low and high <= known[1]):
+            raise FieldError(
+                ("pitch",),
+                f"expected min and max from {known[0]:g} to {known[1]:g}, those of the propeller's data, "
+                f"found {low:g} and {high:g}",
+            )
+        if not low <= self.propeller.pitch_ratio <= high:
+            raise FieldError(
+                ("propeller", "pitch_ratio"),
+                f"expected a number from pitch.min to pitch.max, {low:g} to {high:g}, "
+                f"found {self.propeller.pitch_ratio:g}",
+            )
+        return self
 
 
 class TunnelThruster(_Thruster):

@@ -19,11 +19,13 @@ from marine_model.gains import (
 from marine_model.guards import FloatArray
 from marine_model.hull import Manoeuvring, Particulars, WaveForces
 from marine_model.power_plant import PowerPlant
-from marine_model.propeller import BollardPropellers
+from marine_model.propellers import BollardPropellers, PropellerModel
 from marine_model.schema import FieldError, Positive, Section
 from marine_model.sector import Sector
 from marine_model.thruster import AzimuthThruster, Thruster
 from marine_model.thruster_configuration import cartesian_configuration
+
+_PITCHES = 33  # over the range of a controllable pitch, looking for one that reaches the thrust
 
 
 def _frozen(values: list[float]) -> FloatArray:
@@ -82,6 +84,24 @@ class Vessel(Section):
                 "expected a whole multiple of simulation.time_step, found "
                 f"{self.measurement.sample_time} and {self.simulation.time_step}",
             )
+        return self
+
+    @model_validator(mode="after")
+    def _motors_reach_their_thrust(self) -> Self:
+        for i, (thruster, model) in enumerate(zip(self.thrusters, self.propeller_models, strict=True)):
+            largest = max(thruster.thrust.max, -thruster.thrust.min)
+            pitch = thruster.pitch
+            pitches = np.linspace(pitch.min, pitch.max, _PITCHES) if pitch else np.array([model.pitch_ratio])
+            K_T, K_Q = model.coefficients(0.0, pitches)
+            speed = np.sqrt(largest / (K_T * self.density * model.diameter**4))
+            torque = K_Q / K_T * model.diameter * largest
+            needed = (torque + thruster.shaft.friction_static + thruster.shaft.friction_viscous * speed).min()
+            if needed > thruster.shaft.torque_max:
+                raise FieldError(
+                    ("thrusters", i, "shaft", "torque_max"),
+                    f"expected at least {needed:.3g} N m, the torque at the largest thrust of {largest:g} N and no "
+                    f"advance speed, found {thruster.shaft.torque_max:g}",
+                )
         return self
 
     @model_validator(mode="after")
@@ -167,14 +187,39 @@ class Vessel(Section):
 
     @cached_property
     def propellers(self) -> BollardPropellers:
-        """Propellers of all thrusters."""
-        data = [thruster.propeller for thruster in self.thrusters]
+        """Propellers of all thrusters at zero advance speed and design pitch ratio."""
+        at_rest = [model.coefficients(0.0) for model in self.propeller_models]
         return BollardPropellers(
-            diameter=_frozen([p.diameter for p in data]),
-            thrust_coefficient=_frozen([p.thrust_coefficient for p in data]),
-            torque_coefficient=_frozen([p.torque_coefficient for p in data]),
+            diameter=_frozen([model.diameter for model in self.propeller_models]),
+            thrust_coefficient=_frozen([float(thrust) for thrust, _ in at_rest]),
+            torque_coefficient=_frozen([float(torque) for _, torque in at_rest]),
             density=self.density,
         )
+
+    @cached_property
+    def propeller_models(self) -> tuple[PropellerModel, ...]:
+        """Propeller model of every thruster."""
+        return tuple(thruster.propeller.build() for thruster in self.thrusters)
+
+    @cached_property
+    def propeller_table(self) -> FloatArray:
+        """Rows of ``propeller_models`` for their kernel, shape (n, longest row), with zeros behind shorter ones."""
+        rows = [model.row() for model in self.propeller_models]
+        table = np.zeros((len(rows), max(map(len, rows))))
+        for line, row in zip(table, rows, strict=True):
+            line[: len(row)] = row
+        table.setflags(write=False)
+        return table
+
+    @cached_property
+    def pitch_ratio(self) -> FloatArray:
+        """Design pitch ratio P/D."""
+        return _frozen([model.pitch_ratio for model in self.propeller_models])
+
+    @cached_property
+    def shaft_depth(self) -> FloatArray:
+        """Depth of every shaft below the calm waterline, m: z + x trim, for small angles of trim."""
+        return _frozen([t.position[2] + t.position[0] * self.hull.trim for t in self.thrusters])
 
     @cached_property
     def bus_members(self) -> FloatArray:

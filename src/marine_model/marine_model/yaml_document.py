@@ -104,7 +104,7 @@ def validate(content: dict[str, Any], model: type[Model], document: YamlDocument
         for item in items:
             if item["type"] == "too_short" and any(_below(other["loc"], item["loc"]) for other in items):
                 continue  # pydantic counts the entries that it took, not those that are there
-            field = _field_path(item["loc"], content)
+            field = _field_path(item["loc"], content, item["type"] == "missing")
             message = item["msg"].removeprefix("Value error, ")
             if item["type"] == "value_error" and isinstance(item["ctx"]["error"], FieldError):
                 field += item["ctx"]["error"].field
@@ -127,8 +127,11 @@ def _short(value: object) -> str:
     return text if len(text) <= _LONGEST_VALUE else text[:_LONGEST_VALUE] + "..."
 
 
-def _field_path(location: tuple[str | int, ...], content: Any) -> FieldPath:
-    """Drop the tags that pydantic adds for unions: keep what leads through ``content``."""
+def _field_path(location: tuple[str | int, ...], content: Any, missing: bool) -> FieldPath:
+    """Drop the tags that pydantic adds for unions: keep what leads through ``content``.
+
+    The last part is no tag where the field it names is ``missing``.
+    """
     path: list[str | int] = []
     tag_comes = False  # an entry of a list, and nothing in it yet
     for i, part in enumerate(location):
@@ -140,7 +143,7 @@ def _field_path(location: tuple[str | int, ...], content: Any) -> FieldPath:
             content = content[part]
         elif isinstance(content, list) and isinstance(part, int) and part < len(content):
             content = content[part]
-        elif i < len(location) - 1:
+        elif i < len(location) - 1 or (isinstance(content, dict) and not missing):
             continue
         path.append(part)
     return tuple(path)

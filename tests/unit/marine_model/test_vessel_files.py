@@ -36,8 +36,8 @@ def problems(path: Path) -> list[str]:
     return str(caught.value).splitlines()
 
 
-def test_both_geometries_are_shipped() -> None:
-    assert vessel_names() == ("cybership3", "cybership3_ch7")
+def test_what_is_shipped() -> None:
+    assert vessel_names() == ("cybership3", "cybership3_ch7", "cybership3_trimmed")
     for name in vessel_names():
         vessel = load_vessel(name)
         assert isinstance(vessel, Vessel)
@@ -94,6 +94,7 @@ def leaves(value: Any, place: tuple[str | int, ...] = ()) -> list[tuple[str | in
 
 CONTENT = yaml.safe_load(re.sub(r"([0-9])e([0-9])", r"\1e+\2", SHIPPED))
 LEAVES = leaves(CONTENT)
+OPTIONAL = ("trim", "thrust_slope", "torque_slope")
 
 
 def without(place: tuple[str | int, ...]) -> dict[str, Any]:
@@ -114,7 +115,9 @@ def with_value(place: tuple[str | int, ...], value: Any) -> dict[str, Any]:
     return dict(content)
 
 
-@pytest.mark.parametrize("place", LEAVES, ids=lambda place: ".".join(map(str, place)))
+@pytest.mark.parametrize(
+    "place", [leaf for leaf in LEAVES if leaf[-1] not in OPTIONAL], ids=lambda place: ".".join(map(str, place))
+)
 def test_a_missing_field_is_named(tmp_path: Path, place: tuple[str | int, ...]) -> None:
     text = yaml.safe_dump(without(place), sort_keys=False)
     path = write(tmp_path, text)
@@ -200,18 +203,18 @@ WRONG = [
         "thrusters.1.name: String should match pattern '^[a-z][a-z0-9_]*$', found 'Azimuth Bow'",
     ),
     (
-        "position: [0.76, 0.0, 0.0]",
+        "position: [0.76, 0.0, 0.19]",
         "position: [0.76, 0.0]",
         "thrusters.1.position.2: Field required",
     ),
     (
-        "position: [0.76, 0.0, 0.0]",
-        "position: [0.76, port, 0.0]",
+        "position: [0.76, 0.0, 0.19]",
+        "position: [0.76, port, 0.19]",
         "thrusters.1.position.1: Input should be a valid number, found 'port'",
     ),
     (
-        "position: [0.76, 0.0, 0.0]",
-        "position: [0.76, true, 0.0]",
+        "position: [0.76, 0.0, 0.19]",
+        "position: [0.76, true, 0.19]",
         "thrusters.1.position.1: Input should be a valid number, found True",
     ),
     (
@@ -374,7 +377,7 @@ def test_every_problem_is_reported_at_once(tmp_path: Path) -> None:
 def test_an_unknown_vessel_is_answered_with_the_known_ones(name: str) -> None:
     with pytest.raises(UnknownNameError) as caught:
         load_vessel(name)
-    expected = f"vessel: expected a path or one of cybership3, cybership3_ch7, found '{name}'"
+    expected = f"vessel: expected a path or one of cybership3, cybership3_ch7, cybership3_trimmed, found '{name}'"
     assert str(caught.value) == expected
 
 
@@ -433,7 +436,9 @@ class TestExtends:
         path = write(tmp_path, "name: x\nextends: cybership9\n")
         with pytest.raises(UnknownNameError) as caught:
             load_vessel(path)
-        expected = "vessel: expected a path or one of cybership3, cybership3_ch7, found 'cybership9'"
+        expected = (
+            "vessel: expected a path or one of cybership3, cybership3_ch7, cybership3_trimmed, found 'cybership9'"
+        )
         assert str(caught.value) == f"{path}:2: extends: {expected}"
 
     @pytest.mark.parametrize("value", ["", "3", "[cybership3]"])

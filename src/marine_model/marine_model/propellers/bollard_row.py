@@ -1,4 +1,4 @@
-"""Fixed-pitch propeller at zero advance speed (bollard pull), [Ruth] (2.17)-(2.19) and (3.8)-(3.11).
+"""A row of propellers at zero advance speed (bollard pull), [Ruth] (2.17)-(2.19) and (3.8)-(3.11).
 
 Shaft speed n is in Hz (revolutions per second), as in the sources; thrust and torque carry the sign of n.
 """
