@@ -6,9 +6,9 @@ Time shift: while the shaft speeds up, the water drawn in is still slower than i
 above its quasi-static value, and above while that value rises means ahead of it in time. 2.3.2 calls this a forward
 shift from quasi-static to dynamic values: dynamic(t) = quasi-static(t + shift); the losses *lead*. A simulation has
 no future shaft speed, so ``extrapolated`` goes on along the present rate of change for the time of the shift; the
-error is shift^2 / 2 times the second derivative of what is extrapolated: at 0.064 s, 0.2 % of the amplitude for a period
-of 7 s ([Ruth] (2.57)), and 13 % for 0.8 s. Where the later value is known, as that of a recorded or simulated sea, use
-it.
+error is shift^2 / 2 times the second derivative of what is extrapolated: at 0.064 s, 0.2 % of the amplitude for a
+period of 7 s ([Ruth] (2.57)), and 13 % for 0.8 s. Where the later value is known, as that of a recorded or simulated
+sea, use it.
 """
 
 from __future__ import annotations
