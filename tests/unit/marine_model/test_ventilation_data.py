@@ -7,14 +7,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, reject, settings
+from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from marine_model import load_vessel
 from marine_model.errors import DocumentError
 from marine_model.ventilation import VentilationData, VentilationModel, table
+from marine_model.ventilation.static import thrust_loss
 
-DATA = load_vessel("cybership3").ventilation
-assert DATA is not None
+
+def table_2_5() -> VentilationData:
+    data = load_vessel("cybership3").ventilation
+    assert data is not None
+    return data
+
+
+DATA = table_2_5()
 
 
 def with_changes(**changes: float) -> VentilationData:
@@ -117,3 +126,39 @@ def test_an_accepted_map_is_continuous_where_the_minus_band_ends() -> None:
     below, above = (model.loss_factors(speed, 0.25, 1.0, end + e).thrust_wetted for e in (-1e-9, 1e-9))
     # beta_Tw changes by less than 2.3 for a change of 1 in h/R, F_nh2 held, in the plus band.
     np.testing.assert_allclose(below, above, rtol=0.0, atol=1e-8)
+
+
+LINES = table.NAMES[:8]
+
+
+@settings(suppress_health_check=[HealthCheck.filter_too_much])
+@given(
+    changes=st.tuples(*(st.floats(-0.6, 0.6) for _ in LINES)),
+    lowest=st.floats(0.0, 0.5),
+    froude=st.floats(0.0, 6.0),
+    more=st.floats(0.0, 3.0),
+    x=st.floats(-0.999, 6.0),
+)
+def test_whatever_is_accepted_is_a_map(
+    changes: tuple[float, ...], lowest: float, froude: float, more: float, x: float
+) -> None:
+    fields = {name: getattr(DATA, name) + change for name, change in zip(LINES, changes, strict=True)}
+    try:
+        data = with_changes(**fields, beta_tw_min=lowest)
+    except ValidationError:
+        reject()
+    row = data.row()
+    beta = thrust_loss(row, froude, x)
+    assert lowest <= beta <= 1.0
+    # Falling with the Froude number, no loss at rest. Where a band closes its slope and with it the rounding grows.
+    assert thrust_loss(row, froude + more, x) <= beta
+    assert thrust_loss(row, 0.0, x) == pytest.approx(1.0, abs=1e-9)
+    end = data.minus_end
+    if math.isfinite(end):
+        below, above = thrust_loss(row, froude, end - 1e-9), thrust_loss(row, froude, end + 1e-9)
+        # Slope over x of the plus band, whose Froude number over width is at most 10 where it is not at a limit.
+        width = data.line("plus", 0.2)(end) - data.line("plus", 0.8)(end)
+        steepest = 0.6 / width * (abs(data.a_08_plus) + abs(data.a_02_plus - data.a_08_plus) * 10.0 / width)
+        assert below == pytest.approx(above, abs=1e-8 + 2e-9 * steepest)
+    if x >= end:
+        assert thrust_loss(row, froude, x + more) >= beta - 1e-12

@@ -11,11 +11,17 @@ from hypothesis import strategies as st
 
 from marine_model import load_vessel
 from marine_model.errors import InputError
-from marine_model.ventilation import LossRates, VentilationModel, extrapolated, shifted
+from marine_model.ventilation import LossRates, VentilationData, VentilationModel, extrapolated, shifted
 from marine_model.ventilation.dynamic import extrapolate, limited_rise
 
-DATA = load_vessel("cybership3").ventilation
-assert DATA is not None
+
+def table_2_5() -> VentilationData:
+    data = load_vessel("cybership3").ventilation
+    assert data is not None
+    return data
+
+
+DATA = table_2_5()
 D, RHO = 0.25, 1000.0
 # 2.3.3 samples at 125 Hz: 0.064 s are 8 samples.
 DT = 0.008

@@ -11,11 +11,17 @@ from hypothesis import strategies as st
 
 from marine_model import load_vessel
 from marine_model.errors import InputError
-from marine_model.ventilation import VentilationModel
+from marine_model.ventilation import VentilationData, VentilationModel
 from marine_model.ventilation.static import loss_factors, modified_froude_number, thrust_loss, wetted_area
 
-DATA = load_vessel("cybership3").ventilation
-assert DATA is not None
+
+def table_2_5() -> VentilationData:
+    data = load_vessel("cybership3").ventilation
+    assert data is not None
+    return data
+
+
+DATA = table_2_5()
 MODEL = VentilationModel(DATA)
 ROW = DATA.row()
 D = 0.25  # m, propeller P 1020
