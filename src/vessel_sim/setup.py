@@ -11,7 +11,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
     ],
-    install_requires=["setuptools", "numpy"],
+    install_requires=["setuptools", "numpy", "scipy"],
     entry_points={"console_scripts": ["node = vessel_sim.node:main"]},
     zip_safe=False,
     description="Simulated vessel of the dynamic-positioning stack.",

@@ -15,12 +15,16 @@ from multiprocessing import get_context
 import numpy as np
 
 from marine_model import load_vessel
+from marine_model.ventilation import VentilationModel
 from thrust_allocator.allocator import Allocator
 from thrust_allocator.attainable import largest_ball, scale_to_boundary
 from thrust_allocator.attainable.force_set import force_set
 from thrust_allocator.settings import AllocatorSettings, PowerSettings, SectorSettings
 from thrust_allocator.singularity import gain_map, minimum_gain, scaled_configuration
 from thrust_allocator.singularity.settings import SingularitySettings
+from vessel_sim import WaveSettings
+from vessel_sim.inflow import Inflow
+from vessel_sim.waves import HullForm, Waves
 
 _VESSEL = "cybership3"
 _TAU = (3.0, 1.0, 0.5)
@@ -62,10 +66,23 @@ def _singularity() -> None:
     gain_map(vessel, (2, 3), (angles, angles), vessel.fixed_direction)
 
 
+def _sea() -> None:
+    vessel = load_vessel(_VESSEL)
+    waves = Waves(HullForm.of(vessel), WaveSettings(amplitude=0.01))
+    origin = (0.0, 0.0, 0.0)
+    Inflow(vessel).at(origin, origin, np.zeros(len(vessel.thrusters)), waves, 0.0)
+    waves.elevation(0.0, 0.0, 0.0)
+    waves.particle_velocity(0.0, 0.0, 0.0, 0.0)
+    waves.motion(origin, (0.0, 0.0), 0.0)
+    if vessel.ventilation is not None:
+        VentilationModel(vessel.ventilation).loss_factors(1.0, 1.0, 1.0, 1.0)
+
+
 PARTS: dict[str, Callable[[], None]] = {
     "allocation": _allocation,
     "monitoring": _monitoring,
     "singularity": _singularity,
+    "sea": _sea,
 }
 
 

@@ -227,7 +227,7 @@ class Simulator:
 
     def elevation(self, north: float, east: float) -> float:
         """Return the undisturbed wave elevation (m, positive up) at a point of the map now."""
-        return self._waves.elevation(north, east, self._time)
+        return float(self._waves.elevation(north, east, self._time))
 
     def kinetic_energy(self) -> float:
         """Return the energy of hull and entrained water in the frame of the water, J."""

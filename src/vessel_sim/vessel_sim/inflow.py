@@ -1,0 +1,110 @@
+"""Water at the thrusters: submergence of their shafts and speed of advance."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from marine_model.compiled import compiled
+from marine_model.guards import FloatArray
+from marine_model.vessel import Vessel
+from vessel_sim.waves import HullForm, Sea
+from vessel_sim.waves.components import elevation, particle_velocity
+from vessel_sim.waves.hull_form import Triple, box_motion
+
+# Columns of the table of thrusters.
+_X = 0  # m ahead of the origin
+_Y = 1  # m to starboard
+_DEPTH = 2  # m of the shaft below the calm surface
+
+
+class Inflow:
+    """Submergence and speed of advance of every thruster of a vessel.
+
+    With the first-order motion of the hull in the body axes (heave down, pitch bow up, roll starboard down), the shaft
+    of thruster j moves down by heave - x_j pitch + y_j roll, and lies below the surface over it by
+
+        h_j = depth_j + elevation_j + heave - x_j pitch + y_j roll.
+
+    The speed of advance is the velocity of thruster j through the water in the direction of its azimuth, the
+    direction of its force on the vessel. The velocity is that of the hull through the water, of low
+    frequency and of the waves, rotations included, less the orbital velocity of the water at the shaft:
+
+        V_A,j = (u + u_w + z_j q_w - (r + r_w) y_j - w_x,j) cos alpha_j
+              + (v + v_w - z_j p_w + (r + r_w) x_j - w_y,j) sin alpha_j.
+
+    Waves are taken at the low-frequency place of the thruster and at the depth of its shaft at rest, as linear theory
+    has it. Wake of the hull, wash of other thrusters and inflow across the shaft are left out.
+
+    Parameters
+    ----------
+    vessel
+        Hull and thrusters.
+    """
+
+    def __init__(self, vessel: Vessel) -> None:
+        self._box = HullForm.of(vessel).box
+        self._thrusters = np.column_stack([vessel.lever_x, vessel.lever_y, vessel.shaft_depth])
+
+    def at(
+        self,
+        position: Triple,
+        relative_velocity: Triple,
+        azimuth: FloatArray,
+        waves: Sea,
+        time: float,
+        current: tuple[float, float] = (0.0, 0.0),
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return submergence of the shafts (m, negative above the surface) and speed of advance (m/s), shape (n,).
+
+        Numbers are not checked here: the function runs several times a step.
+
+        Parameters
+        ----------
+        position
+            Low-frequency position: north (m), east (m), heading (rad).
+        relative_velocity
+            Low-frequency velocity through the water, body frame: m/s, m/s, rad/s.
+        azimuth
+            rad, float64, shape (n,).
+        waves
+            The sea.
+        time
+            s.
+        current
+            North, east, m/s; the frequency of encounter goes with the velocity over ground.
+        """
+        return inflow(waves.components, self._box, self._thrusters, position, relative_velocity, current, azimuth, time)
+
+
+@compiled
+def inflow(
+    components: FloatArray,
+    box: Triple,
+    thrusters: FloatArray,
+    position: Triple,
+    relative_velocity: Triple,
+    current: tuple[float, float],
+    azimuth: FloatArray,
+    time: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Return what ``Inflow.at`` does; ``thrusters`` has a row (x, y, depth of the shaft) for each."""
+    north, east, heading = position
+    u, v, r = relative_velocity
+    c, s = math.cos(heading), math.sin(heading)
+    over_ground = (c * u - s * v + current[0], s * u + c * v + current[1])
+    moved, rate = box_motion(components, box, position, over_ground, time)
+    n = thrusters.shape[0]
+    submergence, advance = np.empty(n), np.empty(n)
+    for j in range(n):
+        x, y, depth = thrusters[j, _X], thrusters[j, _Y], thrusters[j, _DEPTH]
+        at_north, at_east = north + c * x - s * y, east + s * x + c * y
+        surface = elevation(components, at_north, at_east, time)
+        submergence[j] = depth + surface + moved[2] - x * moved[4] + y * moved[3]
+        water_north, water_east, _ = particle_velocity(components, at_north, at_east, depth, time)
+        turn = r + rate[5]
+        ahead = u + rate[0] + depth * rate[4] - turn * y - (c * water_north + s * water_east)
+        to_starboard = v + rate[1] - depth * rate[3] + turn * x - (c * water_east - s * water_north)
+        advance[j] = ahead * math.cos(azimuth[j]) + to_starboard * math.sin(azimuth[j])
+    return submergence, advance
