@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector, positive_number
@@ -15,6 +16,7 @@ from thruster_drivers.azimuth import AzimuthController
 from thruster_drivers.controllers import ThrusterController, make_controller
 from thruster_drivers.settings import DriverSettings
 from thruster_drivers.shaft_model import shaft_models
+from thruster_drivers.ventilation import AntiSpin, VentilationMonitor, VentilationState
 
 NOMINAL = "nominal"
 NO_COMMAND = "no_command"
@@ -60,10 +62,13 @@ class DriverOutput:
     shaft_speed_reference
         n_d, Hz.
     thrust_reference
-        The thrust being realised, N: the command, reached within the vessel's thrust rate.
+        The thrust being realised, N: the command, reached within the vessel's thrust rate; less while anti-spin reduces it.
     status
         ``nominal``, or the name of the safe state in force: ``no_command`` (none has come yet), ``command_stale``,
         ``sensor_lost`` (a thruster runs open loop).
+    ventilating, beta_q, beta_q2
+        Ventilation flag, torque loss factor and its memory, see :class:`~thruster_drivers.ventilation.VentilationState`;
+        False, 1 and 1 where nothing is detected.
     """
 
     torque: FloatArray
@@ -72,6 +77,9 @@ class DriverOutput:
     shaft_speed_reference: FloatArray
     thrust_reference: FloatArray
     status: str
+    ventilating: NDArray[np.bool_]
+    beta_q: FloatArray
+    beta_q2: FloatArray
 
 
 class Drivers:
@@ -89,6 +97,7 @@ class Drivers:
     """
 
     def __init__(self, vessel: Vessel, settings: DriverSettings | None = None) -> None:
+        self._vessel = vessel
         self._gains = vessel.drivers
         self._models = shaft_models(vessel)
         self._n = len(self._models)
@@ -105,14 +114,45 @@ class Drivers:
         self._controller_kind = ""
         self._timeout = 0.0
         self._thrust_reference: list[float] | None = None
+        self._monitor: VentilationMonitor | None = None
+        self._antispin = AntiSpin(vessel)
+        self._no_flags: NDArray[np.bool_] = np.zeros(self._n, dtype=np.bool_)
+        self._no_loss: FloatArray = np.ones(self._n)
+        for constant in (self._no_flags, self._no_loss):
+            constant.setflags(write=False)
         self.apply(settings if settings is not None else DriverSettings())
 
     def apply(self, settings: DriverSettings) -> None:
-        """Swap the settings as a whole; they hold from the next step on."""
+        """Swap the settings as a whole; they hold from the next step on.
+
+        Raises
+        ------
+        InputError
+            If they do not fit the vessel; nothing has changed then.
+        """
+        if settings.antispin.enabled and self._gains.ventilation is None:
+            raise InputError(
+                "antispin.enabled: expected false, because the vessel file has no section drivers.ventilation, found true"
+            )
+        self._apply_ventilation(settings)
+        self._antispin.apply(settings.antispin)
         if settings.controller != self._controller_kind:
             self._controllers = [make_controller(settings.controller, model, self._gains) for model in self._models]
             self._controller_kind = settings.controller
         self._timeout = settings.command_timeout or self._gains.command_timeout
+
+    @property
+    def ventilation_events(self) -> NDArray[np.int64] | None:
+        """Shape (n,): how often each flag has gone up; None while nothing is detected."""
+        return None if self._monitor is None else self._monitor.events.copy()
+
+    def _apply_ventilation(self, settings: DriverSettings) -> None:
+        if self._gains.ventilation is None or not settings.ventilation.enabled:
+            self._monitor = None
+        elif self._monitor is None:
+            self._monitor = VentilationMonitor(self._vessel, settings.ventilation)
+        else:
+            self._monitor.apply(settings.ventilation)
 
     def step(self, inputs: DriverInputs, dt: float) -> DriverOutput:
         """Advance all thrusters by ``dt`` (s).
@@ -138,10 +178,14 @@ class Drivers:
             azimuth_command = _finite("azimuth_command", inputs.azimuth_command, n)
         shaft_speed = _measured("shaft_speed", inputs.shaft_speed, n)
         azimuth = _measured("azimuth", inputs.azimuth, n)
+        # Last of what may refuse its input: it moves on.
+        seen = None if self._monitor is None else self._monitor.step(inputs.shaft_speed, inputs.torque, dt)
+        antispin = self._antispin if self._antispin.active else None
 
         reference = self._thrust_reference
         if reference is None:
             reference = self._thrust_reference = self._nominal_thrust(shaft_speed)
+        realised = reference if antispin is None else [0.0] * n
         torque = [0.0] * n
         azimuth_rate = [0.0] * n
         shaft_speed_reference = [0.0] * n
@@ -159,8 +203,12 @@ class Drivers:
             else:
                 thrust = target
             reference[j] = thrust
+            if antispin is not None:
+                thrust = realised[j] = self._reduced(antispin, j, thrust, seen, dt)
             controller = self._controllers[j]
             torque[j] = controller.step(thrust, shaft_speed[j], dt)
+            if antispin is not None and seen is not None:
+                torque[j] = antispin.torque(j, torque[j], float(seen.torque[j]), float(seen.shaft_speed[j]))
             shaft_speed_reference[j] = controller.shaft_speed_reference
             azimuth_controller = self._azimuth_controllers[j]
             if azimuth_controller is not None and not stale:
@@ -175,9 +223,19 @@ class Drivers:
             np.array(azimuth_rate),
             stale,
             np.array(shaft_speed_reference),
-            np.array(reference),
+            np.array(realised),
             status,
+            self._no_flags if seen is None else seen.ventilating,
+            self._no_loss if seen is None else seen.beta_q,
+            self._no_loss if seen is None else seen.beta_q2,
         )
+
+    @staticmethod
+    def _reduced(antispin: AntiSpin, j: int, thrust: float, seen: VentilationState | None, dt: float) -> float:
+        """Return what anti-spin leaves of ``thrust`` (N); after a switch-off of the detection it comes back."""
+        if seen is None:
+            return antispin.thrust(j, thrust, False, 1.0, dt)
+        return antispin.thrust(j, thrust, bool(seen.ventilating[j]), float(seen.beta_q[j]), dt)
 
     def _sensor_lost(self, shaft_speed: list[float], azimuth: list[float]) -> bool:
         if math.isfinite(sum(shaft_speed) + sum(azimuth)):

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Self
+
+from pydantic import model_validator
 
 from marine_model.settings import Settings, setting
+from marine_model.vessel import Vessel
+from thruster_drivers.ventilation.settings import AntiSpinSettings, VentilationSettings
 
 
 class DriverSettings(Settings):
@@ -18,3 +22,19 @@ class DriverSettings(Settings):
         ge=0.0,
         le=60.0,
     )
+    ventilation: VentilationSettings = VentilationSettings()
+    antispin: AntiSpinSettings = AntiSpinSettings()
+
+    @model_validator(mode="after")
+    def _antispin_needs_the_observer(self) -> Self:
+        if self.antispin.enabled and not self.ventilation.enabled:
+            raise ValueError("antispin.enabled must be false while ventilation.enabled is, because it needs its observer")
+        return self
+
+    @classmethod
+    def for_vessel(cls, vessel: Vessel) -> Self:
+        """Return the defaults with the vessel's own numbers, so that parameters show what is in force."""
+        return cls(
+            command_timeout=vessel.drivers.command_timeout,
+            ventilation=VentilationSettings.for_vessel(vessel),
+        )
