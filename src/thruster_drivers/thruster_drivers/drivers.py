@@ -130,10 +130,7 @@ class Drivers:
         InputError
             If they do not fit the vessel; nothing has changed then.
         """
-        if settings.antispin.enabled and self._gains.ventilation is None:
-            raise InputError(
-                "antispin.enabled: expected false, because the vessel file has no section drivers.ventilation, found true"
-            )
+        settings.antispin.check(self._vessel)
         self._apply_ventilation(settings)
         self._antispin.apply(settings.antispin)
         if settings.controller != self._controller_kind:

@@ -47,6 +47,12 @@ class DriversNode(RingNode[DriverSettings]):
         """Return the core's settings with the vessel's numbers, so that the parameters show what is in force."""
         return DriverSettings.for_vessel(vessel)
 
+    def check(self, settings: DriverSettings) -> None:
+        """Refuse what does not fit the vessel."""
+        settings.antispin.check(self.vessel)
+        if self.vessel.drivers.ventilation is not None:
+            settings.ventilation.resolved(self.vessel)
+
     def build(self) -> None:
         """Make core, publisher and subscriptions."""
         self._core = Drivers(self.vessel, self.settings)
