@@ -98,9 +98,7 @@ def _maps_of(propeller: _Propeller, pitch_range: tuple[float, float] | None) -> 
     return OptimalMaps(propeller.model, pitch_range)
 
 
-def optimal_pitch(
-    model: PropellerModel, tau: ArrayLike, pitch_range: tuple[float, float] | None = None
-) -> FloatArray:
+def optimal_pitch(model: PropellerModel, tau: ArrayLike, pitch_range: tuple[float, float] | None = None) -> FloatArray:
     """Return the best pitch ratio k(tau), of the shape of ``tau``, computed for these tau rather than looked up.
 
     Raises
@@ -189,7 +187,9 @@ def pitch_of_torque_coefficient(
     return np.where(at_low >= 0.0, least, np.where(at_high <= 0.0, most, 0.5 * (low + high)))
 
 
-def pitch_of_thrust_coefficient(model: PropellerModel, pitch_range: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+def pitch_of_thrust_coefficient(
+    model: PropellerModel, pitch_range: tuple[float, float]
+) -> tuple[FloatArray, FloatArray]:
     """Return g of [Ruth] (3.16) as a table: rising K_T at J = 0, and the pitch ratios that give it, each shape (m,).
 
     Raises

@@ -159,8 +159,12 @@ def advance(
             area, thrust_wetted, torque_wetted = loss_factors(
                 ventilation[kind], speed, diameter, pitch, 2.0 * depth / diameter
             )
-            thrust_wetted = limited_rise(thrust_wetted, state[i, THRUST_WETTED], ventilation[kind, THRUST_RISE_RATE], dt)
-            torque_wetted = limited_rise(torque_wetted, state[i, TORQUE_WETTED], ventilation[kind, TORQUE_RISE_RATE], dt)
+            thrust_wetted = limited_rise(
+                thrust_wetted, state[i, THRUST_WETTED], ventilation[kind, THRUST_RISE_RATE], dt
+            )
+            torque_wetted = limited_rise(
+                torque_wetted, state[i, TORQUE_WETTED], ventilation[kind, TORQUE_RISE_RATE], dt
+            )
         thrust, propeller_torque = thrust_torque(row, diameter, density, speed, flow, pitch)
 
         state[i, SHAFT_SPEED] = speed
@@ -175,5 +179,3 @@ def advance(
         state[i, ADVANCE_SPEED] = flow
         state[i, SUBMERGENCE] = depth
     return GOOD
-
-
