@@ -185,6 +185,9 @@ class ClosedLoop:
             rows["azimuth"],
         )
         torque_setpoint, rate_setpoint = rows["torque_setpoint"], rows["azimuth_rate_setpoint"]
+        pitch_ratio, pitch_setpoint = rows["pitch_ratio"], rows["pitch_ratio_setpoint"]
+        ventilating, beta_q, beta_q2 = rows["ventilating"], rows["beta_q"], rows["beta_q2"]
+        detects = self._vessel.drivers.ventilation is not None
         elapsed = step_ns * 1e-9  # as nodes find it from stamps
         output = simulator.output
         for k in range(self._tick, until):
@@ -197,14 +200,30 @@ class ClosedLoop:
             motor_torque[k] = output.torque
             power[k] = output.power
             azimuth[k] = output.azimuth
+            pitch_ratio[k] = output.pitch_ratio
             age = phase * step_ns * 1e-9
             setpoint = drivers.step(
-                DriverInputs(self._thrust, self._azimuth, age, output.shaft_speed, output.torque, output.azimuth),
+                DriverInputs(
+                    self._thrust,
+                    self._azimuth,
+                    age,
+                    output.shaft_speed,
+                    output.torque,
+                    output.azimuth,
+                    output.pitch_ratio,
+                ),
                 elapsed if k else step,
             )
             torque_setpoint[k] = setpoint.torque
             rate_setpoint[k] = setpoint.azimuth_rate
-            output = simulator.step(SimulatorInputs(setpoint.torque, setpoint.azimuth_rate), step)
+            pitch_setpoint[k] = setpoint.pitch_ratio
+            if detects:
+                ventilating[k] = setpoint.ventilating
+                beta_q[k] = setpoint.beta_q
+                beta_q2[k] = setpoint.beta_q2
+            output = simulator.step(
+                SimulatorInputs(setpoint.torque, setpoint.azimuth_rate, setpoint.pitch_ratio), step
+            )
         self._tick = max(until, self._tick)
 
     def _control(self, k: int) -> None:
@@ -224,6 +243,9 @@ class ClosedLoop:
         if k and settings.power.needs_measurement:
             power = self._log.rows["power"][k - 1]
             self._allocator.measure_power(float(power[settings.enabled(self._vessel)].sum()))
+        if k and settings.antispin.enabled:
+            # Of the feedback before, as on the graph: the drivers answer that of this tick later.
+            self._allocator.measure_ventilation(self._log.rows["beta_q2"][k - 1], self._step_ns * 1e-9)
         answer = self._allocator.step(demand.tau_desired, elapsed)
         self._tau_achieved = answer.tau_achieved
         self._thrust, self._azimuth = answer.thrust, answer.azimuth
@@ -250,6 +272,8 @@ class ClosedLoop:
         rows["allocation_cost"][i] = answer.cost
         rows["thrust_command"][i] = answer.thrust
         rows["azimuth_command"][i] = answer.azimuth
+        if answer.antispin:
+            rows["torque_loss"][i] = answer.torque_loss
         t = k * self._step_ns * 1e-9
         log.note("observer_status", t, estimate.status)
         log.note("controller_mode", t, demand.mode)

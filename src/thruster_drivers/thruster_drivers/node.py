@@ -158,7 +158,7 @@ class DriversNode(RingNode[DriverSettings]):
         self._command_age = age
         self._feedback_count += 1
         self._publish(stamp, output.command_stale)
-        if self._ventilation_publisher is not None and self.settings.ventilation.enabled:
+        if self._ventilation_publisher is not None:  # without loss while detection is off: anti-spin waits for it
             self._publish_ventilation(self._ventilation_publisher, message.header.stamp, output)
         if output.status != self._status:
             self._report(output)
