@@ -221,9 +221,7 @@ class ClosedLoop:
                 ventilating[k] = setpoint.ventilating
                 beta_q[k] = setpoint.beta_q
                 beta_q2[k] = setpoint.beta_q2
-            output = simulator.step(
-                SimulatorInputs(setpoint.torque, setpoint.azimuth_rate, setpoint.pitch_ratio), step
-            )
+            output = simulator.step(SimulatorInputs(setpoint.torque, setpoint.azimuth_rate, setpoint.pitch_ratio), step)
         self._tick = max(until, self._tick)
 
     def _control(self, k: int) -> None:

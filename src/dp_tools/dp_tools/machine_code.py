@@ -15,6 +15,7 @@ from multiprocessing import get_context
 import numpy as np
 
 from marine_model import load_vessel
+from marine_model.propellers.kernel import load, thrust_torque
 from marine_model.ventilation import VentilationModel
 from thrust_allocator.allocator import Allocator
 from thrust_allocator.attainable import largest_ball, scale_to_boundary
@@ -78,11 +79,18 @@ def _sea() -> None:
         VentilationModel(vessel.ventilation).loss_factors(1.0, 1.0, 1.0, 1.0)
 
 
+def _propellers() -> None:
+    vessel = load_vessel(_VESSEL)
+    for function in (thrust_torque, load):
+        function(vessel.propeller_table[0], vessel.propeller_models[0].diameter, vessel.density, 1.0, 0.1, 1.0)
+
+
 PARTS: dict[str, Callable[[], None]] = {
     "allocation": _allocation,
     "monitoring": _monitoring,
     "singularity": _singularity,
     "sea": _sea,
+    "propellers": _propellers,
 }
 
 

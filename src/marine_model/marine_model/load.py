@@ -71,7 +71,7 @@ def _merged(path: Path, chain: tuple[Path, ...]) -> YamlDocument:
 
 
 def _with_propeller_data(document: YamlDocument) -> YamlDocument:
-    """Put the content of every propeller's data file where it would stand in the vessel file.
+    """Put the content of every propeller's data file in the place of its name, as if it stood in the vessel file.
 
     Problems in it are told with file and line of the data file. Raises DocumentError.
     """
@@ -81,11 +81,14 @@ def _with_propeller_data(document: YamlDocument) -> YamlDocument:
         propeller = thruster.get("propeller") if isinstance(thruster, dict) else None
         if not isinstance(propeller, dict):
             continue
-        model, name = propeller.get("model"), propeller.get("file")
+        model = propeller.get("model")
         field = DATA_FIELDS.get(model) if isinstance(model, str) else None
-        if field is None or not isinstance(name, str):
+        if field is None or "file" not in propeller:
             continue
         place: FieldPath = ("thrusters", i, "propeller")
+        name = propeller.pop("file")
+        if not isinstance(name, str):
+            raise DocumentError(document.problem((*place, "file"), f"expected a file name, found {name!r}"))
         if field in propeller:
             raise DocumentError(document.problem((*place, field), "expected none beside 'file', found one"))
         path = _data_path(name, document, (*place, "file"))

@@ -118,6 +118,11 @@ def test_a_vessel_goes_through_its_own_dump(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text(TABLE, encoding="utf-8")
     vessel = load_vessel(ship(tmp_path, "{model: tabulated, diameter: 0.09, pitch_ratio: 0.9, file: mine.yaml}"))
     assert Vessel.model_validate(vessel.model_dump()).model_dump() == vessel.model_dump()
+    # A recording has the vessel without the files that it was read from.
+    recorded = tmp_path / "recorded" / "vessel.yaml"
+    recorded.parent.mkdir()
+    recorded.write_text(yaml.safe_dump(vessel.model_dump(mode="json"), sort_keys=False), encoding="utf-8")
+    assert load_vessel(recorded).model_dump() == vessel.model_dump()
 
 
 def test_shaft_depths_with_and_without_trim() -> None:
@@ -229,6 +234,11 @@ BOLLARD = "{model: bollard, diameter: 0.09, pitch_ratio: 0.93, thrust_coefficien
             "{model: tabulated, diameter: 0.09, pitch_ratio: 0.9, file: nowhere.yaml}",
             "",
             "propeller.file: expected a file beside this one or one of b4_70_continued.yaml, found 'nowhere.yaml'",
+        ),
+        (
+            "{model: tabulated, diameter: 0.09, pitch_ratio: 0.9, file: 3}",
+            "",
+            "propeller.file: expected a file name, found 3",
         ),
         (
             "{model: tabulated, diameter: 0.09, pitch_ratio: 0.9, file: x.yaml, table: {}}",

@@ -13,6 +13,7 @@ import pytest
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
 from marine_model.frames import wrap_angles
+from marine_model.propellers.sections import BollardData
 from thrust_allocator import (
     AllocationProblem,
     Allocator,
@@ -285,6 +286,7 @@ def test_power_is_that_of_3_11() -> None:
     total = 0.0
     for thruster, thrust in zip(VESSEL.thrusters, result.thrust, strict=True):
         p = thruster.propeller
+        assert isinstance(p, BollardData)
         factor = 2.0 * math.pi * p.torque_coefficient / (math.sqrt(1000.0) * p.diameter * p.thrust_coefficient**1.5)
         total += factor * abs(thrust) ** 1.5
     assert result.demanded_power == pytest.approx(total, rel=1e-12)

@@ -80,8 +80,7 @@ class FourQuadrantData(Section):
     model: Literal["four_quadrant"]
     diameter: Positive  # m
     pitch_ratio: Positive  # P/D
-    file: str | None = None  # of ``series``, which load_vessel reads
-    series: FourQuadrantSeries
+    series: FourQuadrantSeries  # in the vessel file, or read by load_vessel from what it names under ``file``
 
     @model_validator(mode="after")
     def _pitch_known(self) -> Self:
@@ -125,8 +124,7 @@ class TabulatedData(Section):
     model: Literal["tabulated"]
     diameter: Positive  # m
     pitch_ratio: Positive  # P/D
-    file: str | None = None  # of ``table``, which load_vessel reads
-    table: PropellerTable
+    table: PropellerTable  # in the vessel file, or read by load_vessel from what it names under ``file``
 
     @model_validator(mode="after")
     def _pitch_known(self) -> Self:
@@ -147,7 +145,7 @@ class TabulatedData(Section):
         )
 
 
-# Models whose data may be in a file, and the field that its content goes to.
+# Models whose data may be in a file, named by a field ``file``, and the field that its content stands for.
 DATA_FIELDS = {"four_quadrant": "series", "tabulated": "table"}
 MODELS = ("bollard", "wageningen_b", "four_quadrant", "tabulated")
 
