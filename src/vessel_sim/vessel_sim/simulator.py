@@ -11,11 +11,9 @@ from marine_model.errors import InputError
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
-from vessel_sim.azimuth_servo import azimuth_servos
 from vessel_sim.hull import Hull, Triple
 from vessel_sim.noise import noise_streams
 from vessel_sim.settings import SimulatorSettings
-from vessel_sim.shaft import shafts
 from vessel_sim.waves import HullForm, Waves
 
 _TWO_PI = 2.0 * math.pi

@@ -8,13 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from marine_model import load_vessel
-from vessel_sim.azimuth_servo import AzimuthServo, azimuth_servos
+from vessel_sim.propulsion.azimuth_servo import advance
 
 
 def test_step_response() -> None:
     # One time constant after a step to 1 rad/s the rate is 1 - 1/e, the angle T/e.
-    angle, rate = AzimuthServo(rate_max=2.0, time_constant=0.05).advance(0.0, 0.0, 1.0, 0.05)
+    angle, rate = advance(0.0, 0.0, 1.0, 2.0, 0.05, 0.05)
     assert rate == pytest.approx(1.0 - math.exp(-1.0), rel=1e-12)
     assert angle == pytest.approx(0.05 * math.exp(-1.0), rel=1e-12)
 
@@ -26,24 +25,17 @@ def test_step_response() -> None:
     part=st.floats(0.01, 0.99),
 )
 def test_two_steps_are_one_step(rate: float, demand: float, dt: float, part: float) -> None:
-    servo = AzimuthServo(rate_max=1.0, time_constant=0.05)
-    halfway = servo.advance(0.3, rate, demand, part * dt)
-    twice = servo.advance(*halfway, demand, (1.0 - part) * dt)
-    once = servo.advance(0.3, rate, demand, dt)
+    halfway = advance(0.3, rate, demand, 1.0, 0.05, part * dt)
+    twice = advance(*halfway, demand, 1.0, 0.05, (1.0 - part) * dt)
+    once = advance(0.3, rate, demand, 1.0, 0.05, dt)
     assert twice == pytest.approx(once, rel=1e-9, abs=1e-12)  # rounding
 
 
 @given(demands=st.lists(st.floats(-100.0, 100.0), min_size=1, max_size=30))
 def test_rate_limit_holds(demands: list[float]) -> None:
-    servo = AzimuthServo(rate_max=1.05, time_constant=0.05)
     angle = rate = 0.0
     for demand in demands:
         before = angle
-        angle, rate = servo.advance(angle, rate, demand, 0.02)
+        angle, rate = advance(angle, rate, demand, 1.05, 0.05, 0.02)
         assert abs(rate) <= 1.05 * (1.0 + 1e-12)
         assert abs(angle - before) <= 1.05 * 0.02 * (1.0 + 1e-12)
-
-
-def test_a_tunnel_thruster_has_no_servo() -> None:
-    servos = azimuth_servos(load_vessel("cybership3"))
-    assert [servo is None for servo in servos] == [True, False, False, False]

@@ -1,0 +1,34 @@
+"""Azimuth motor of one thruster: a rate servo with a first-order lag and a rate limit, solved in closed form."""
+
+from __future__ import annotations
+
+import math
+
+from marine_model.compiled import compiled
+
+
+@compiled
+def advance(
+    angle: float, rate: float, demand: float, rate_max: float, time_constant: float, dt: float
+) -> tuple[float, float]:
+    """Return angle (rad, not wrapped) and rate (rad/s) after ``dt``.
+
+    w_dot = (clamp(w_d) - w) / T, alpha_dot = w, exact for a demand w_d held over the step.
+
+    Parameters
+    ----------
+    angle, rate
+        alpha, rad, and w, rad/s, at the start.
+    demand
+        w_d, rad/s.
+    rate_max
+        Limit of the demand either way, and so of the rate, rad/s.
+    time_constant
+        T, s, above 0.
+    dt
+        s.
+    """
+    demand = min(max(demand, -rate_max), rate_max)
+    excess = rate - demand
+    settled = -math.expm1(-dt / time_constant)
+    return angle + demand * dt + excess * settled * time_constant, demand + excess * (1.0 - settled)

@@ -1,0 +1,108 @@
+"""One propeller shaft under constant motor torque, solved in closed form.
+
+    2 pi J dn/dt = Q_m - (c n |n| + a |n|) - Q_v n - Q_s sgn(n)
+
+n in Hz. c and a are the propeller's load near the present shaft speed and advance speed, times the torque loss factor;
+for a torque coefficient linear in the advance number, [Ruth] (3.6)-(3.7), c = beta_Q K_Q0 rho D^5 and
+a = beta_Q a_Q rho D^4 V_A. a |n| helps to turn the shaft where a n < 0: a propeller may windmill.
+
+On either side of n = 0 this is a Riccati equation. With u = |n|, its own direction positive,
+
+    du/dt = p - 2 b u - k u^2,   b^2 + k p = s^2,
+
+    u(t) = (u_0 (1 - b S) + p S) / (1 + (b + k u_0) S),   S = tanh(s t) / s,
+
+where S is tan(w t) / w for s^2 = -w^2 < 0 and t for s = 0. It holds for k = 0, a propeller in air, as well. u is 0 when
+S = u_0 / (b u_0 - p). The step is exact for any length: no time constant of a shaft bounds the time step. Coulomb
+friction holds the shaft at rest while |Q_m| <= Q_s.
+"""
+
+from __future__ import annotations
+
+import math
+
+from marine_model.compiled import compiled
+
+_TWO_PI = 2.0 * math.pi
+# Above this s t, S is written with exp(-2 s t): 1 - b S and 1 + b S would be differences of equal numbers.
+_LONG = 0.5
+
+
+@compiled
+def advance(
+    speed: float, torque: float, inertia: float, c: float, a: float, viscous: float, static: float, dt: float
+) -> float:
+    """Return the shaft speed (Hz) after ``dt``.
+
+    Parameters
+    ----------
+    speed
+        Shaft speed at the start, Hz.
+    torque
+        Motor torque Q_m, held over the step, N m.
+    inertia
+        J, kg m^2, above 0.
+    c
+        Load per shaft speed squared, N m s^2, at least 0.
+    a
+        Load per shaft speed from the advance speed, N m s, of either sign.
+    viscous
+        Q_v, N m s: friction per Hz, at least 0.
+    static
+        Q_s, N m: Coulomb friction, at least 0.
+    dt
+        s, at least 0.
+    """
+    if speed > 0.0 or (speed == 0.0 and torque > static):
+        speed, left = _one_way(speed, torque - static, inertia, c, viscous + a, dt)
+        if left > 0.0 and torque < -static:
+            return -_one_way(0.0, -torque - static, inertia, c, viscous - a, left)[0]
+        return speed
+    if speed < 0.0 or torque < -static:
+        speed, left = _one_way(-speed, -torque - static, inertia, c, viscous - a, dt)
+        if left > 0.0 and torque > static:
+            return _one_way(0.0, torque - static, inertia, c, viscous + a, left)[0]
+        return -speed
+    return 0.0
+
+
+@compiled
+def _one_way(u: float, torque: float, inertia: float, c: float, linear: float, dt: float) -> tuple[float, float]:
+    """Return u after ``dt`` and 0, or 0 and the time left after coming to rest. ``u`` >= 0."""
+    angular_inertia = _TWO_PI * inertia
+    p = torque / angular_inertia
+    b = 0.5 * linear / angular_inertia
+    k = c / angular_inertia
+    square = b * b + k * p
+    if square < 0.0:  # no balance: the shaft slows down to rest
+        w = math.sqrt(-square)
+        at_rest = math.atan2(w * u, b * u - p) / w
+        if at_rest <= dt:
+            return 0.0, dt - at_rest
+        x = w * dt
+        long = math.sin(x) / w
+        short = math.cos(x)
+        return max((u * (short - b * long) + p * long) / (short + (b + k * u) * long), 0.0), 0.0
+    s = math.sqrt(square)
+    if p < 0.0:
+        # Rest is ahead unless a windmilling propeller turns faster than its unstable balance -p / (s - b).
+        slack = b * u - p
+        if s * u < slack:
+            x = u / slack
+            at_rest = math.atanh(s * x) / s if s * x > 0.0 else x
+            if at_rest <= dt:
+                return 0.0, dt - at_rest
+    x = s * dt
+    if x < _LONG:
+        reach = math.tanh(x) / s if x > 0.0 else dt
+        return max((u * (1.0 - b * reach) + p * reach) / (1.0 + (b + k * u) * reach), 0.0), 0.0
+    # Times s (1 + exp(-2 x)). s - b and s + b are both wanted to all their digits.
+    if b > 0.0:
+        above = s + b
+        below = k * p / above
+    else:
+        below = s - b
+        above = k * p / below
+    decay = math.exp(-2.0 * x)
+    rise = -math.expm1(-2.0 * x)
+    return max((u * (below + above * decay) + p * rise) / (above + below * decay + k * u * rise), 0.0), 0.0
