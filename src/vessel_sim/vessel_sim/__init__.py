@@ -1,11 +1,12 @@
 """Simulated vessel: hull, thrusters, waves, current and sensors. The core is free of middleware."""
 
-from vessel_sim.settings import CurrentSettings, InitialState, SimulatorSettings, WaveSettings
+from vessel_sim.settings import CurrentSettings, InitialState, PropulsionSettings, SimulatorSettings, WaveSettings
 from vessel_sim.simulator import Simulator, SimulatorInputs, SimulatorOutput, SimulatorTruth
 
 __all__ = [
     "CurrentSettings",
     "InitialState",
+    "PropulsionSettings",
     "Simulator",
     "SimulatorInputs",
     "SimulatorOutput",

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from marine_model.guards import FloatArray
+
 _BLOCK = 1024
 
 
@@ -26,13 +28,13 @@ class NoiseStream:
         self._generator = np.random.Generator(np.random.PCG64(sequence))
         self._width = width
         self._next = _BLOCK
-        self._normal: list[list[float]] = []
+        self._normal: FloatArray = np.empty((0, width))
         self._uniform: list[float] = []
 
-    def row(self) -> tuple[list[float], float]:
-        """Return the next ``width`` normal numbers and the uniform number in [0, 1) that goes with them."""
+    def row(self) -> tuple[FloatArray, float]:
+        """Return the next normal numbers, shape (width,), and the uniform number in [0, 1) that goes with them."""
         if self._next == _BLOCK:
-            self._normal = self._generator.standard_normal((_BLOCK, self._width)).tolist()
+            self._normal = self._generator.standard_normal((_BLOCK, self._width))
             self._uniform = self._generator.random(_BLOCK).tolist()
             self._next = 0
         i = self._next

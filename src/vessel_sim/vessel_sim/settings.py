@@ -58,6 +58,13 @@ class CurrentSettings(Settings):
     )
 
 
+class PropulsionSettings(Settings):
+    """What the water does to the propellers."""
+
+    inflow: bool = setting(True, "Advance speed at the propellers changes their thrust and torque")
+    ventilation: bool = setting(True, "Propellers near the surface lose thrust and torque to air")
+
+
 class InitialState(Settings):
     """Where the vessel lies, at rest over ground, when the run begins."""
 
@@ -73,6 +80,7 @@ class SimulatorSettings(Settings):
 
     waves: WaveSettings = WaveSettings()
     current: CurrentSettings = CurrentSettings()
+    propulsion: PropulsionSettings = PropulsionSettings()
     initial: InitialState = InitialState()
     seed: int = setting(0, "Seed of all sensor noise and dropout", ge=0, read_only=True)
     sensor_noise: bool = setting(True, "Sensors have the noise that the vessel file gives them")

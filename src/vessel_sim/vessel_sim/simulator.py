@@ -8,15 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from marine_model.errors import InputError
-from marine_model.frames import wrap_angle
+from marine_model.frames import wrap_angle, wrap_angles
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 from vessel_sim.hull import Hull, Triple
 from vessel_sim.noise import noise_streams
+from vessel_sim.propulsion import PropulsionPlant, columns
+from vessel_sim.propulsion.calm_water import advance_speed
+from vessel_sim.propulsion.readings import generalized_force, sensed
 from vessel_sim.settings import SimulatorSettings
 from vessel_sim.waves import HullForm, Waves
-
-_TWO_PI = 2.0 * math.pi
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,7 @@ class SimulatorInputs:
 
     torque: FloatArray  # N m; the motor limits it
     azimuth_rate: FloatArray  # rad/s; the servo limits it, a tunnel thruster has none
+    pitch_ratio: FloatArray | None = None  # P/D; the actuator limits it. None: as they were last asked to be
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +41,7 @@ class SimulatorOutput:
     power: FloatArray  # (n,) W, developed power 2 pi n Q, [Ruth] (B.3)
     azimuth: FloatArray  # (n,) rad in [-pi, pi), measured
     azimuth_rate: FloatArray  # (n,) rad/s
+    pitch_ratio: FloatArray  # (n,) P/D
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +56,14 @@ class SimulatorTruth:
     wave_force: FloatArray  # mean drift, N, N, N m in the body frame
     current_force: FloatArray  # hydrodynamic force less what it would be without current, body frame
     thruster_force: FloatArray  # N, N, N m in the body frame
-    thrust: FloatArray  # (n,) N
+    thrust: FloatArray  # (n,) N, after losses
     azimuth: FloatArray  # (n,) rad in [-pi, pi)
     shaft_speed: FloatArray  # (n,) Hz
+    pitch_ratio: FloatArray  # (n,) P/D
+    thrust_loss: FloatArray  # (n,) beta_T, 1 without loss to air
+    torque_loss: FloatArray  # (n,) beta_Q
+    submergence: FloatArray  # (n,) m, depth of the shaft below the surface
+    advance_speed: FloatArray  # (n,) m/s, through the water along the direction of positive thrust
 
 
 class Simulator:
@@ -81,17 +89,15 @@ class Simulator:
         settings = settings or SimulatorSettings()
         self._hull = Hull(vessel)
         self._waves = Waves(HullForm.of(vessel), settings.waves)
-        self._shafts = shafts(vessel)
-        self._servos = azimuth_servos(vessel)
-        self._lever_x: list[float] = vessel.lever_x.tolist()
-        self._lever_y: list[float] = vessel.lever_y.tolist()
-        self._thrust_factor: list[float] = vessel.propellers.thrust_per_speed_squared.tolist()
-        self._torque_max = [t.shaft.torque_max for t in vessel.thrusters]
+        self._plant = PropulsionPlant(vessel)
+        # Copies: writable, as the compiled functions are for.
+        self._lever_x, self._lever_y = vessel.lever_x.copy(), vessel.lever_y.copy()
+        self._shaft_depth = vessel.shaft_depth.copy()
         self._time_step = vessel.simulation.time_step
         self._measurement = vessel.measurement
 
         n = len(vessel.thrusters)
-        self._n = n
+        self._still: FloatArray = np.zeros(n)
         self._pose_noise, self._thruster_noise = noise_streams(settings.seed, 3, 2 * n)
         self._measured: tuple[float, FloatArray | None] | None = None
 
@@ -100,13 +106,10 @@ class Simulator:
         self._position: Triple = (start.north, start.east, start.heading)
         self._relative: Triple = (0.0, 0.0, 0.0)  # velocity through the water, body frame
         self._current = (0.0, 0.0)  # NED
-        self._speed = [0.0] * n
-        self._torque = [0.0] * n
-        self._azimuth: list[float] = vessel.fixed_direction.tolist()
-        self._azimuth_rate = [0.0] * n
         self._thruster_force: Triple = (0.0, 0.0, 0.0)
         self._settings = settings
         self.apply(settings)
+        self._plant.flood(*self._water_at_propellers(self._position, self._relative, 0.0, 0.0))
         self._output = self._observe()
 
     @property
@@ -151,6 +154,7 @@ class Simulator:
         self._current = (north, east)
         if settings.waves != self._settings.waves:
             self._waves.apply(settings.waves)
+        self._plant.ventilation = settings.propulsion.ventilation
         self._settings = settings
 
     def step(self, inputs: SimulatorInputs, dt: float) -> SimulatorOutput:
@@ -166,15 +170,13 @@ class Simulator:
         Raises
         ------
         InputError
-            If a set point has the wrong shape or is not finite, or ``dt`` is out of range; nothing has moved then.
+            If a set point has the wrong shape or is not finite, a propeller of fixed pitch is asked for another
+            than its own, or ``dt`` is out of range; nothing has moved then.
         """
         if not 0.0 < dt <= self._time_step * (1.0 + 1e-9):  # a dt from stamps is off by rounding
             raise InputError(f"dt: expected above 0 and at most {self._time_step} s, found {dt}")
-        torque = self._finite("torque", inputs.torque)
-        azimuth_rate = self._finite("azimuth_rate", inputs.azimuth_rate)
-        before = self._thruster_force
-        self._step_thrusters(torque, azimuth_rate, dt)
-        self._step_hull(before, self._thruster_force, dt)
+        self._plant.command(inputs.torque, inputs.azimuth_rate, inputs.pitch_ratio)
+        self._sail(dt)
         self._time += dt
         self._output = self._observe()
         return self._output
@@ -186,7 +188,7 @@ class Simulator:
         """
         if self._measured is not None and self._measured[0] == self._time:
             return self._measured[1]
-        (e_north, e_east, e_heading), chance = self._pose_noise.row()
+        noise, chance = self._pose_noise.row()
         data = self._measurement
         kept = (1.0 - data.dropout) * (1.0 - self._settings.pose_dropout)
         pose = None
@@ -194,6 +196,7 @@ class Simulator:
             north, east, heading = self._position
             w_north, w_east, w_heading = self._waves.motion(self._position, self._velocity_ned(), self._time)[0]
             if self._settings.sensor_noise:
+                e_north, e_east, e_heading = noise.tolist()
                 w_north += data.position_noise * e_north
                 w_east += data.position_noise * e_east
                 w_heading += data.heading_noise * e_heading
@@ -208,7 +211,8 @@ class Simulator:
         u, v, r = velocity = self._velocity()
         with_current = self._hull.hydrodynamic_force(*self._relative)
         without = self._hull.hydrodynamic_force(u, v, r)
-        speed = np.array(self._speed)
+        state = self._plant.state.T.copy()
+        flow, depth = self._water_at_propellers(self._position, self._relative, self._time, 0.0)
         return SimulatorTruth(
             time=self._time,
             position=np.array(self._position),
@@ -218,9 +222,14 @@ class Simulator:
             wave_force=np.array(self._waves.drift_force(math.cos(heading), math.sin(heading))),
             current_force=np.array(with_current) - np.array(without),
             thruster_force=np.array(self._thruster_force),
-            thrust=np.array(self._thrust_factor) * speed * np.abs(speed),
-            azimuth=np.array([wrap_angle(a) for a in self._azimuth]),
-            shaft_speed=speed,
+            thrust=state[columns.THRUST],
+            azimuth=wrap_angles(state[columns.AZIMUTH]),
+            shaft_speed=state[columns.SHAFT_SPEED],
+            pitch_ratio=state[columns.PITCH_RATIO],
+            thrust_loss=state[columns.THRUST_LOSS],
+            torque_loss=state[columns.TORQUE_LOSS],
+            submergence=depth.copy(),
+            advance_speed=flow.copy(),
         )
 
     def elevation(self, north: float, east: float) -> float:
@@ -231,40 +240,12 @@ class Simulator:
         """Return the energy of hull and entrained water in the frame of the water, J."""
         return self._hull.kinetic_energy(*self._relative)
 
-    def _finite(self, name: str, value: FloatArray) -> list[float]:
-        # The guard of marine_model in scalars: a fifth of its time at four numbers.
-        shape = getattr(value, "shape", None)
-        if shape != (self._n,):
-            raise InputError(f"{name}: expected shape ({self._n},), found {shape or value!r}")
-        numbers: list[float] = value.tolist()
-        if not all(map(math.isfinite, numbers)):
-            raise InputError(f"{name}: expected finite numbers, found {numbers}")
-        return numbers
+    def _sail(self, dt: float) -> None:
+        """Heun's method on position and velocity through the water.
 
-    def _step_thrusters(self, torque: list[float], azimuth_rate: list[float], dt: float) -> None:
-        """Advance shafts and azimuths; leave their generalized force at the end of the step."""
-        x = y = n = 0.0
-        for i, shaft in enumerate(self._shafts):
-            limit = self._torque_max[i]
-            q = torque[i]
-            q = -limit if q < -limit else limit if q > limit else q
-            self._torque[i] = q
-            speed = self._speed[i] = shaft.advance(self._speed[i], q, dt)
-            servo = self._servos[i]
-            if servo is not None:
-                self._azimuth[i], self._azimuth_rate[i] = servo.advance(
-                    self._azimuth[i], self._azimuth_rate[i], azimuth_rate[i], dt
-                )
-            thrust = self._thrust_factor[i] * speed * abs(speed)
-            fx = thrust * math.cos(self._azimuth[i])
-            fy = thrust * math.sin(self._azimuth[i])
-            x += fx
-            y += fy
-            n += self._lever_x[i] * fy - self._lever_y[i] * fx
-        self._thruster_force = (x, y, n)
-
-    def _step_hull(self, force: Triple, force_after: Triple, dt: float) -> None:
-        """Heun's method on position and velocity through the water."""
+        The predictor tells the plant what the water at its propellers is at the end of the step, and the plant the
+        thruster force there.
+        """
         north, east, heading = self._position
         u, v, r = self._relative
         current_north, current_east = self._current
@@ -272,15 +253,23 @@ class Simulator:
         drift = self._waves.drift_force
 
         c, s = math.cos(heading), math.sin(heading)
+        fx, fy, fn = self._thruster_force
         wx, wy, wn = drift(c, s)
-        du, dv, dr = acceleration(u, v, r, force[0] + wx, force[1] + wy, force[2] + wn)
+        du, dv, dr = acceleration(u, v, r, fx + wx, fy + wy, fn + wn)
         self._waves.advance(dt)
 
-        u2, v2, r2 = u + dt * du, v + dt * dv, r + dt * dr
+        ahead = u2, v2, r2 = u + dt * du, v + dt * dv, r + dt * dr
         heading2 = heading + dt * r
         c2, s2 = math.cos(heading2), math.sin(heading2)
+        place = (
+            north + dt * (c * u - s * v + current_north),
+            east + dt * (s * u + c * v + current_east),
+            heading2,
+        )
+        self._step_thrusters(place, ahead, dt)
+        fx, fy, fn = self._thruster_force
         wx, wy, wn = drift(c2, s2)
-        du2, dv2, dr2 = acceleration(u2, v2, r2, force_after[0] + wx, force_after[1] + wy, force_after[2] + wn)
+        du2, dv2, dr2 = acceleration(u2, v2, r2, fx + wx, fy + wy, fn + wn)
 
         half = 0.5 * dt
         self._position = (
@@ -289,6 +278,21 @@ class Simulator:
             heading + half * (r + r2),
         )
         self._relative = (u + half * (du + du2), v + half * (dv + dv2), r + half * (dr + dr2))
+
+    def _step_thrusters(self, position: Triple, relative: Triple, dt: float) -> None:
+        """Advance the plant to where the hull will be; leave the thruster force at the end of the step."""
+        flow, depth = self._water_at_propellers(position, relative, self._time + dt, dt)
+        self._plant.advance(flow if self._settings.propulsion.inflow else self._still, depth, dt)
+        self._thruster_force = generalized_force(self._plant.state, self._lever_x, self._lever_y)
+
+    def _water_at_propellers(
+        self, position: Triple, relative: Triple, time: float, ahead: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return advance speed (m/s) and submergence (m) of all propellers, shape (n,) each.
+
+        Azimuths are taken ``ahead`` s on at their present rate, which is first order, as the predictor of the hull.
+        """
+        return advance_speed(self._plant.state, self._lever_x, self._lever_y, *relative, ahead), self._shaft_depth
 
     def _velocity(self) -> Triple:
         """Velocity over ground in the body frame."""
@@ -304,21 +308,15 @@ class Simulator:
 
     def _observe(self) -> SimulatorOutput:
         """Read the thruster sensors."""
-        n = self._n
         noise, _ = self._thruster_noise.row()
         data = self._measurement
         on = self._settings.sensor_noise
-        speed_noise = data.shaft_speed_noise if on else 0.0
-        azimuth_noise = data.azimuth_noise if on else 0.0
-        speed, power, azimuth = [], [], []
-        for i in range(n):
-            measured = self._speed[i] + speed_noise * noise[i]
-            speed.append(measured)
-            power.append(_TWO_PI * measured * self._torque[i])
-            angle = self._azimuth[i]
-            if self._servos[i] is not None:  # a tunnel thruster has no angle to measure
-                angle += azimuth_noise * noise[n + i]
-            azimuth.append(wrap_angle(angle))
-        rows = np.array([speed, self._torque, power, azimuth, self._azimuth_rate])
+        rows = sensed(
+            self._plant.parameters,
+            self._plant.state,
+            noise,
+            data.shaft_speed_noise if on else 0.0,
+            data.azimuth_noise if on else 0.0,
+        )
         motion = np.array([self._position, self._velocity()])
-        return SimulatorOutput(self._time, motion[0], motion[1], rows[0], rows[1], rows[2], rows[3], rows[4])
+        return SimulatorOutput(self._time, motion[0], motion[1], rows[0], rows[1], rows[2], rows[3], rows[4], rows[5])

@@ -62,6 +62,11 @@ class PropulsionPlant:
         return self._names
 
     @property
+    def parameters(self) -> FloatArray:
+        """Parameters, shape (n, ``columns.PARAMETERS``)."""
+        return self._tables[0]
+
+    @property
     def state(self) -> FloatArray:
         """State, shape (n, ``columns.STATE``): a view that the next step changes."""
         return self._state
@@ -129,7 +134,7 @@ class PropulsionPlant:
             As :meth:`step`; the set points before stay in force then.
         """
         self._take_set_points(torque, azimuth_rate, pitch_ratio)
-        bad = first_bad(self._tables[0], self._state, self._given, 0, columns.ADVANCE_SPEED_INPUT)
+        bad = first_bad(self.parameters, self._state, self._given, 0, columns.ADVANCE_SPEED_INPUT)
         if bad != GOOD:
             self._refuse(bad)
         self._accept()
