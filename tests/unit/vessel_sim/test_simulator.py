@@ -22,6 +22,7 @@ from vessel_sim import (
     SimulatorSettings,
     WaveSettings,
 )
+from vessel_sim.propulsion.columns import AZIMUTH
 
 Array = NDArray[np.float64]
 VESSEL = load_vessel("cybership3")
@@ -157,7 +158,7 @@ def test_thrust_ahead_reaches_the_speed_where_drag_takes_it() -> None:
     shaft_speed = np.sqrt(0.1 / VESSEL.propellers.torque_per_speed_squared[2:])
     thrust = VESSEL.propellers.thrust_per_speed_squared[2:] * shaft_speed**2
     sim = Simulator(VESSEL, QUIET)
-    sim._azimuth = [0.5 * math.pi, 0.5 * math.pi, 0.0, 0.0]
+    sim._plant.state[:, AZIMUTH] = [0.5 * math.pi, 0.5 * math.pi, 0.0, 0.0]
     # Port and starboard thrusts differ: compare the force, then what the drag says to it in straight motion.
     output = sail(sim, 5.0, SimulatorInputs(torque, np.zeros(N)))
     assert output.shaft_speed[2:] == pytest.approx(shaft_speed, rel=1e-6)

@@ -196,8 +196,10 @@ def _piece(row: FloatArray, breaks: int, pieces: int, at: float) -> int:
 @compiled
 def _horner(row: FloatArray, first: int, terms: int, x: float) -> float:
     value = 0.0
-    for t in range(terms - 1, -1, -1):
-        value = value * x + row[first + t]
+    at = first + terms
+    while at > first:  # a range with a negative step divides integers to find its length
+        at -= 1
+        value = value * x + row[at]
     return value
 
 

@@ -17,8 +17,9 @@ PITCH_RATE_MAX = 10  # 1/s
 PITCH_TIME_CONSTANT = 11  # s
 DIAMETER = 12  # D, m
 DENSITY = 13  # rho, kg/m^3
-VENTILATES = 14  # 1 where the row of ventilation parameters counts, else 0
-PARAMETERS = 15
+PROPELLER = 14  # row in the table of propellers
+VENTILATION = 15  # row in the table of ventilation parameters; -1 where there is no loss to air
+PARAMETERS = 16
 
 # What a step changes: state, shape (n, STATE).
 SHAFT_SPEED = 0  # n, Hz

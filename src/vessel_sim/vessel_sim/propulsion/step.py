@@ -32,6 +32,7 @@ from vessel_sim.propulsion.columns import (
     PITCH_RATE_MAX,
     PITCH_RATIO,
     PITCH_TIME_CONSTANT,
+    PROPELLER,
     PROPELLER_TORQUE,
     SHAFT_SPEED,
     STATIC,
@@ -45,7 +46,7 @@ from vessel_sim.propulsion.columns import (
     TORQUE_MAX,
     TORQUE_WETTED,
     TURNS,
-    VENTILATES,
+    VENTILATION,
     VISCOUS,
 )
 
@@ -102,7 +103,7 @@ def advance(
     if bad != GOOD:
         return bad
     for i in range(state.shape[0]):
-        row = propellers[i]
+        row = propellers[int(parameters[i, PROPELLER])]
         diameter, density = parameters[i, DIAMETER], parameters[i, DENSITY]
         limit = parameters[i, TORQUE_MAX]
         torque = min(max(inputs[TORQUE_INPUT, i], -limit), limit)
@@ -132,13 +133,14 @@ def advance(
         speed = state[i, SHAFT_SPEED]
         flow = inputs[ADVANCE_SPEED_INPUT, i]
         depth = inputs[SUBMERGENCE_INPUT, i]
-        airy = ventilates and parameters[i, VENTILATES] != 0.0
+        kind = int(parameters[i, VENTILATION])
+        airy = ventilates and kind >= 0
         remains = 1.0
         if airy:
             area, _, wetted = loss_factors(
-                ventilation[i], speed, diameter, middle, (state[i, SUBMERGENCE] + depth) / diameter
+                ventilation[kind], speed, diameter, middle, (state[i, SUBMERGENCE] + depth) / diameter
             )
-            rise = ventilation[i, TORQUE_RISE_RATE]
+            rise = ventilation[kind, TORQUE_RISE_RATE]
             remains = area * limited_rise(wetted, state[i, TORQUE_WETTED], rise, 0.5 * dt)
         c, a, b = load(row, diameter, density, speed, 0.5 * (state[i, ADVANCE_SPEED] + flow), middle)
         speed = shaft.advance(
@@ -155,10 +157,10 @@ def advance(
         area = thrust_wetted = torque_wetted = 1.0
         if airy:
             area, thrust_wetted, torque_wetted = loss_factors(
-                ventilation[i], speed, diameter, pitch, 2.0 * depth / diameter
+                ventilation[kind], speed, diameter, pitch, 2.0 * depth / diameter
             )
-            thrust_wetted = limited_rise(thrust_wetted, state[i, THRUST_WETTED], ventilation[i, THRUST_RISE_RATE], dt)
-            torque_wetted = limited_rise(torque_wetted, state[i, TORQUE_WETTED], ventilation[i, TORQUE_RISE_RATE], dt)
+            thrust_wetted = limited_rise(thrust_wetted, state[i, THRUST_WETTED], ventilation[kind, THRUST_RISE_RATE], dt)
+            torque_wetted = limited_rise(torque_wetted, state[i, TORQUE_WETTED], ventilation[kind, TORQUE_RISE_RATE], dt)
         thrust, propeller_torque = thrust_torque(row, diameter, density, speed, flow, pitch)
 
         state[i, SHAFT_SPEED] = speed

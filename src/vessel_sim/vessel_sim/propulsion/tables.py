@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -18,12 +17,15 @@ from vessel_sim.propulsion import columns
 
 @dataclass(frozen=True, slots=True)
 class PlantTables:
-    """One row for each thruster; columns are named in ``vessel_sim.propulsion.columns``."""
+    """Thrusters as rows of numbers; columns are named in ``vessel_sim.propulsion.columns``.
+
+    Rows of propellers and of ventilation are long, and shared by the thrusters that have the same.
+    """
 
     names: tuple[str, ...]
     parameters: FloatArray  # (n, columns.PARAMETERS)
-    propellers: FloatArray  # (n, width), rows of marine_model.propellers
-    ventilation: FloatArray  # (n, ventilation.table.WIDTH); zeros where there is none
+    propellers: FloatArray  # (propellers, width), rows of marine_model.propellers
+    ventilation: FloatArray  # (kinds, ventilation.table.WIDTH)
     start: FloatArray  # (n, columns.STATE): at rest, azimuths in their fixed directions, design pitch, no losses
 
     @classmethod
@@ -32,11 +34,13 @@ class PlantTables:
         n = len(vessel.thrusters)
         parameters = np.zeros((n, columns.PARAMETERS))
         start = np.zeros((n, columns.STATE))
-        ventilation = np.zeros((n, ventilation_table.WIDTH))
         parameters[:, columns.DENSITY] = vessel.density
-        if vessel.ventilation_row is not None:
-            parameters[:, columns.VENTILATES] = 1.0
-            ventilation[:] = vessel.ventilation_row
+        parameters[:, columns.PROPELLER] = np.arange(n)
+        if vessel.ventilation_row is None:
+            ventilation = np.zeros((0, ventilation_table.WIDTH))
+            parameters[:, columns.VENTILATION] = -1.0
+        else:
+            ventilation = vessel.ventilation_row[None].copy()
         for i, (thruster, model) in enumerate(zip(vessel.thrusters, vessel.propeller_models, strict=True)):
             row = parameters[i]
             drive = thruster.shaft
@@ -61,25 +65,13 @@ class PlantTables:
             start[:, column] = 1.0
         return cls(vessel.thruster_names, parameters, vessel.propeller_table.copy(), ventilation, start)
 
-    @classmethod
-    def joined(cls, parts: Sequence[Self]) -> Self:
-        """Return the thrusters of several tables as one; narrower rows of propellers are filled up with zeros."""
-        width = max(part.propellers.shape[1] for part in parts)
-        return cls(
-            tuple(name for part in parts for name in part.names),
-            np.concatenate([part.parameters for part in parts]),
-            np.concatenate([np.pad(p.propellers, ((0, 0), (0, width - p.propellers.shape[1]))) for p in parts]),
-            np.concatenate([part.ventilation for part in parts]),
-            np.concatenate([part.start for part in parts]),
-        )
-
     def rows(self, which: ArrayLike) -> Self:
         """Return a table of the thrusters with the numbers ``which``, shape (m,), in that order; they may repeat."""
         index = np.asarray(which, dtype=np.intp)
         return type(self)(
             tuple(self.names[i] for i in index.tolist()),
             self.parameters[index],
-            self.propellers[index],
-            self.ventilation[index],
+            self.propellers,
+            self.ventilation,
             self.start[index],
         )
