@@ -14,9 +14,9 @@ from vessel_sim.waves.components import elevation, particle_velocity
 from vessel_sim.waves.hull_form import Triple, box_motion
 
 # Columns of the table of thrusters.
-_X = 0  # m ahead of the origin
-_Y = 1  # m to starboard
-_DEPTH = 2  # m of the shaft below the calm surface
+X = 0  # m ahead of the origin
+Y = 1  # m to starboard
+DEPTH = 2  # m of the shaft below the calm surface
 
 
 class Inflow:
@@ -41,11 +41,16 @@ class Inflow:
     ----------
     vessel
         Hull and thrusters.
+
+    Attributes
+    ----------
+    box, thrusters
+        What the compiled function ``inflow`` takes: the box of the hull, and the table of thrusters, shape (n, 3).
     """
 
     def __init__(self, vessel: Vessel) -> None:
-        self._box = HullForm.of(vessel).box
-        self._thrusters = np.column_stack([vessel.lever_x, vessel.lever_y, vessel.shaft_depth])
+        self.box = HullForm.of(vessel).box
+        self.thrusters = np.column_stack([vessel.lever_x, vessel.lever_y, vessel.shaft_depth])
 
     def at(
         self,
@@ -75,7 +80,7 @@ class Inflow:
         current
             North, east, m/s; the frequency of encounter goes with the velocity over ground.
         """
-        return inflow(waves.components, self._box, self._thrusters, position, relative_velocity, current, azimuth, time)
+        return inflow(waves.components, self.box, self.thrusters, position, relative_velocity, current, azimuth, time)
 
 
 @compiled
@@ -98,7 +103,7 @@ def inflow(
     n = thrusters.shape[0]
     submergence, advance = np.empty(n), np.empty(n)
     for j in range(n):
-        x, y, depth = thrusters[j, _X], thrusters[j, _Y], thrusters[j, _DEPTH]
+        x, y, depth = thrusters[j, X], thrusters[j, Y], thrusters[j, DEPTH]
         at_north, at_east = north + c * x - s * y, east + s * x + c * y
         surface = elevation(components, at_north, at_east, time)
         submergence[j] = depth + surface + moved[2] - x * moved[4] + y * moved[3]

@@ -12,10 +12,10 @@ from marine_model.frames import wrap_angle, wrap_angles
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 from vessel_sim.hull import Hull, Triple
+from vessel_sim.inflow import Inflow
 from vessel_sim.noise import noise_streams
 from vessel_sim.propulsion import PropulsionPlant, columns
-from vessel_sim.propulsion.calm_water import advance_speed
-from vessel_sim.propulsion.readings import generalized_force, sensed
+from vessel_sim.propulsion.readings import sensed
 from vessel_sim.settings import SimulatorSettings
 from vessel_sim.waves import HullForm, Waves
 
@@ -90,14 +90,11 @@ class Simulator:
         self._hull = Hull(vessel)
         self._waves = Waves(HullForm.of(vessel), settings.waves)
         self._plant = PropulsionPlant(vessel)
-        # Copies: writable, as the compiled functions are for.
-        self._lever_x, self._lever_y = vessel.lever_x.copy(), vessel.lever_y.copy()
-        self._shaft_depth = vessel.shaft_depth.copy()
+        self._inflow = Inflow(vessel)
         self._time_step = vessel.simulation.time_step
         self._measurement = vessel.measurement
 
         n = len(vessel.thrusters)
-        self._still: FloatArray = np.zeros(n)
         self._pose_noise, self._thruster_noise = noise_streams(settings.seed, 3, 2 * n)
         self._measured: tuple[float, FloatArray | None] | None = None
 
@@ -109,7 +106,8 @@ class Simulator:
         self._thruster_force: Triple = (0.0, 0.0, 0.0)
         self._settings = settings
         self.apply(settings)
-        self._plant.flood(*self._water_at_propellers(self._position, self._relative, 0.0, 0.0))
+        depth, flow = self._water_at_propellers()
+        self._plant.flood(flow if settings.propulsion.inflow else np.zeros(n), depth)
         self._output = self._observe()
 
     @property
@@ -212,7 +210,7 @@ class Simulator:
         with_current = self._hull.hydrodynamic_force(*self._relative)
         without = self._hull.hydrodynamic_force(u, v, r)
         state = self._plant.state.T.copy()
-        flow, depth = self._water_at_propellers(self._position, self._relative, self._time, 0.0)
+        depth, flow = self._water_at_propellers()
         return SimulatorTruth(
             time=self._time,
             position=np.array(self._position),
@@ -228,8 +226,8 @@ class Simulator:
             pitch_ratio=state[columns.PITCH_RATIO],
             thrust_loss=state[columns.THRUST_LOSS],
             torque_loss=state[columns.TORQUE_LOSS],
-            submergence=depth.copy(),
-            advance_speed=flow.copy(),
+            submergence=depth,
+            advance_speed=flow,
         )
 
     def elevation(self, north: float, east: float) -> float:
@@ -281,18 +279,21 @@ class Simulator:
 
     def _step_thrusters(self, position: Triple, relative: Triple, dt: float) -> None:
         """Advance the plant to where the hull will be; leave the thruster force at the end of the step."""
-        flow, depth = self._water_at_propellers(position, relative, self._time + dt, dt)
-        self._plant.advance(flow if self._settings.propulsion.inflow else self._still, depth, dt)
-        self._thruster_force = generalized_force(self._plant.state, self._lever_x, self._lever_y)
+        self._thruster_force = self._plant.advance_in_sea(
+            self._inflow,
+            position,
+            relative,
+            self._current,
+            self._waves,
+            self._time + dt,
+            dt,
+            self._settings.propulsion.inflow,
+        )
 
-    def _water_at_propellers(
-        self, position: Triple, relative: Triple, time: float, ahead: float
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return advance speed (m/s) and submergence (m) of all propellers, shape (n,) each.
-
-        Azimuths are taken ``ahead`` s on at their present rate, which is first order, as the predictor of the hull.
-        """
-        return advance_speed(self._plant.state, self._lever_x, self._lever_y, *relative, ahead), self._shaft_depth
+    def _water_at_propellers(self) -> tuple[FloatArray, FloatArray]:
+        """Return submergence (m) and advance speed (m/s) of all propellers now, shape (n,) each."""
+        azimuth = self._plant.state[:, columns.AZIMUTH].copy()
+        return self._inflow.at(self._position, self._relative, azimuth, self._waves, self._time, self._current)
 
     def _velocity(self) -> Triple:
         """Velocity over ground in the body frame."""

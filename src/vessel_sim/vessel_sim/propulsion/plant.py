@@ -10,9 +10,13 @@ import numpy as np
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
+from vessel_sim.inflow import Inflow
 from vessel_sim.propulsion import columns
+from vessel_sim.propulsion.in_sea import advance_in_sea
 from vessel_sim.propulsion.step import GOOD, advance, first_bad
 from vessel_sim.propulsion.tables import PlantTables
+from vessel_sim.waves.hull_form import Triple
+from vessel_sim.waves.sea import Sea
 
 
 class PropulsionPlant:
@@ -144,6 +148,51 @@ class PropulsionPlant:
         self._given[:] = self._inputs
         self._take_water(advance_speed, submergence)
         self._move(dt, columns.ADVANCE_SPEED_INPUT)
+
+    def advance_in_sea(
+        self,
+        inflow: Inflow,
+        position: Triple,
+        relative_velocity: Triple,
+        current: tuple[float, float],
+        waves: Sea,
+        time: float,
+        dt: float,
+        flowing: bool = True,
+    ) -> Triple:
+        """Advance ``state`` by ``dt`` on the set points in force, in the water where the hull will be then.
+
+        Parameters
+        ----------
+        inflow
+            Of the vessel.
+        position, relative_velocity, current, waves, time
+            See ``Inflow.at``, at the end of the step, as far as it is known; not checked.
+        dt
+            s, at least 0; not checked.
+        flowing
+            False: as without advance speed.
+
+        Returns
+        -------
+        Force of all thrusters on the hull at the end of the step: N, N, N m, body frame.
+        """
+        self._flooded = True
+        return advance_in_sea(
+            *self._tables,
+            self._state,
+            self._inputs,
+            self.ventilation,
+            flowing,
+            waves.components,
+            inflow.box,
+            inflow.thrusters,
+            position,
+            relative_velocity,
+            current,
+            time,
+            dt,
+        )
 
     def _take_set_points(self, torque: FloatArray, azimuth_rate: FloatArray, pitch_ratio: FloatArray | None) -> None:
         self._given[:] = self._inputs

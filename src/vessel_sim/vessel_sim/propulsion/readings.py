@@ -1,4 +1,4 @@
-"""What the hull and the sensors get from the state of the propulsion plant, compiled."""
+"""What the sensors show of the state of the propulsion plant, compiled."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from vessel_sim.propulsion.columns import (
     MOTOR_TORQUE,
     PITCH_RATIO,
     SHAFT_SPEED,
-    THRUST,
     TURNS,
 )
 
@@ -21,27 +20,6 @@ _TWO_PI = 2.0 * math.pi
 
 # Rows of ``sensed``.
 SHAFT_SPEED_ROW, TORQUE_ROW, POWER_ROW, AZIMUTH_ROW, AZIMUTH_RATE_ROW, PITCH_ROW, READINGS = range(7)
-
-
-@compiled
-def generalized_force(state: np.ndarray, lever_x: np.ndarray, lever_y: np.ndarray) -> tuple[float, float, float]:
-    """Return surge, sway and yaw (N, N, N m, body frame) of all thrusters together, [Ruth] (4.11).
-
-    Parameters
-    ----------
-    state
-        Shape (n, STATE).
-    lever_x, lever_y
-        L_x, L_y, m, shape (n,).
-    """
-    x = y = n = 0.0
-    for i in range(state.shape[0]):
-        fx = state[i, THRUST] * math.cos(state[i, AZIMUTH])
-        fy = state[i, THRUST] * math.sin(state[i, AZIMUTH])
-        x += fx
-        y += fy
-        n += lever_x[i] * fy - lever_y[i] * fx
-    return x, y, n
 
 
 @compiled
