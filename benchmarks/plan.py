@@ -26,13 +26,15 @@ class Plan:
     sector_blocks: int  # the same for the problem with sectors
     sector_steps: int
     accuracy_instances: int  # random problems
+    propulsion_thrusters: int  # in one step of the propulsion plant
+    propulsion_blocks: int  # steps of all of them, each in turn with calls for one
     progress: Callable[[int, int], None] = lambda done, total: None  # told how much is done, and of what
 
 
 def whole(scratch: Path) -> Plan:
     """Return the plan of `make bench`: nothing is shortened."""
     scenario = load_scenario("run_a")
-    return Plan(scenario, scenario.vessel, scratch, 3, 5, 20, 250, 3, 20, 200, 10, 40, 1_000_000)
+    return Plan(scenario, scenario.vessel, scratch, 3, 5, 20, 250, 3, 20, 200, 10, 40, 1_000_000, 10_000, 100)
 
 
 def quick(scratch: Path) -> Plan:
@@ -40,4 +42,4 @@ def quick(scratch: Path) -> Plan:
     scenario = load_scenario("run_a")
     events = tuple(event for event in scenario.events if event.at == 0.0)
     shortened = scenario.model_copy(update={"duration": 10.0, "events": events})
-    return Plan(shortened, scenario.vessel, scratch, 1, 1, 2, 20, 1, 2, 20, 2, 5, 2_000)
+    return Plan(shortened, scenario.vessel, scratch, 1, 1, 2, 20, 1, 2, 20, 2, 5, 2_000, 100, 5)

@@ -51,9 +51,7 @@ def advance_in_sea(
     azimuth = np.empty(n)
     for i in range(n):
         azimuth[i] = state[i, AZIMUTH] + dt * state[i, AZIMUTH_RATE]
-    submergence, flow = inflow(
-        components, box, thrusters, position, relative_velocity, current, azimuth, time
-    )
+    submergence, flow = inflow(components, box, thrusters, position, relative_velocity, current, azimuth, time)
     for i in range(n):
         inputs[ADVANCE_SPEED_INPUT, i] = flow[i] if flowing else 0.0
         inputs[SUBMERGENCE_INPUT, i] = submergence[i]

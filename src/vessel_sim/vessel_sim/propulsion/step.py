@@ -60,7 +60,7 @@ def first_bad(parameters: np.ndarray, state: np.ndarray, inputs: np.ndarray, fir
     That is a number that is not finite, or another pitch than its own for a propeller of fixed pitch; ``GOOD`` if
     there is none.
     """
-    n = inputs.shape[1]
+    n: int = inputs.shape[1]
     for j in range(first, end):
         for i in range(n):
             if not math.isfinite(inputs[j, i]):
@@ -159,8 +159,12 @@ def advance(
             area, thrust_wetted, torque_wetted = loss_factors(
                 ventilation[kind], speed, diameter, pitch, 2.0 * depth / diameter
             )
-            thrust_wetted = limited_rise(thrust_wetted, state[i, THRUST_WETTED], ventilation[kind, THRUST_RISE_RATE], dt)
-            torque_wetted = limited_rise(torque_wetted, state[i, TORQUE_WETTED], ventilation[kind, TORQUE_RISE_RATE], dt)
+            thrust_wetted = limited_rise(
+                thrust_wetted, state[i, THRUST_WETTED], ventilation[kind, THRUST_RISE_RATE], dt
+            )
+            torque_wetted = limited_rise(
+                torque_wetted, state[i, TORQUE_WETTED], ventilation[kind, TORQUE_RISE_RATE], dt
+            )
         thrust, propeller_torque = thrust_torque(row, diameter, density, speed, flow, pitch)
 
         state[i, SHAFT_SPEED] = speed
@@ -175,5 +179,3 @@ def advance(
         state[i, ADVANCE_SPEED] = flow
         state[i, SUBMERGENCE] = depth
     return GOOD
-
-
