@@ -24,6 +24,7 @@ from benchmarks.in_process import measure_in_process
 from benchmarks.machine import describe_machine, write_machine
 from benchmarks.plan import Plan, quick, whole
 from benchmarks.printout import print_machine, print_results
+from benchmarks.propulsion import measure_propulsion
 from benchmarks.result import Result, write_results
 from benchmarks.scaling import measure_scaling
 from benchmarks.sectors import measure_sectors
@@ -41,6 +42,7 @@ _MEASUREMENTS: dict[str, tuple[str, Callable[[Plan], list[Result]]]] = {
     "accuracy": ("Accuracy of the allocation", measure_accuracy),
     "scaling": ("Allocation by number of thrusters and sectors", measure_scaling),
     "gain_map": ("Map of the minimum gain", measure_gain_map),
+    "propulsion": ("Step of the propulsion plant", measure_propulsion),
 }
 # Tests take ROS domains up to 101. From 215 on the ports of a domain lie above Linux's ephemeral range.
 _DOMAIN = "220"

@@ -27,18 +27,53 @@ class Plan:
     sector_steps: int
     accuracy_instances: int  # random problems
     load_seconds: float  # of real time in which the drivers' processor time is counted
+    propulsion_thrusters: int  # in one step of the propulsion plant
+    propulsion_blocks: int  # steps of all of them, each in turn with calls for one
     progress: Callable[[int, int], None] = lambda done, total: None  # told how much is done, and of what
 
 
 def whole(scratch: Path) -> Plan:
     """Return the plan of `make bench`: nothing is shortened."""
     scenario = load_scenario("run_a")
-    return Plan(scenario, scenario.vessel, scratch, 3, 5, 20, 250, 3, 20, 200, 10, 40, 1_000_000, 30.0)
+    return Plan(
+        scenario=scenario,
+        vessel=scenario.vessel,
+        scratch=scratch,
+        graph_runs=3,
+        loop_runs=5,
+        hop_blocks=20,
+        hop_requests=250,
+        start_ups=3,
+        allocation_blocks=20,
+        allocation_steps=200,
+        sector_blocks=10,
+        sector_steps=40,
+        accuracy_instances=1_000_000,
+        load_seconds=30.0,
+        propulsion_thrusters=10_000,
+        propulsion_blocks=100,
+    )
 
 
 def quick(scratch: Path) -> Plan:
     """Return a plan that takes seconds; its figures say nothing but that they can be had."""
     scenario = load_scenario("run_a")
     events = tuple(event for event in scenario.events if event.at == 0.0)
-    shortened = scenario.model_copy(update={"duration": 10.0, "events": events})
-    return Plan(shortened, scenario.vessel, scratch, 1, 1, 2, 20, 1, 2, 20, 2, 5, 2_000, 4.0)
+    return Plan(
+        scenario=scenario.model_copy(update={"duration": 10.0, "events": events}),
+        vessel=scenario.vessel,
+        scratch=scratch,
+        graph_runs=1,
+        loop_runs=1,
+        hop_blocks=2,
+        hop_requests=20,
+        start_ups=1,
+        allocation_blocks=2,
+        allocation_steps=20,
+        sector_blocks=2,
+        sector_steps=5,
+        accuracy_instances=2_000,
+        load_seconds=4.0,
+        propulsion_thrusters=100,
+        propulsion_blocks=5,
+    )

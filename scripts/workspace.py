@@ -34,7 +34,7 @@ LOCKED_GROUPS = ("runtime", "ros", "build", "test", "lint")
 OLDEST_PYTHON = (3, 11)
 NEWEST_PYTHON = (3, 12)
 # Packages with inner loops that are compiled, by `python -m dp_tools.machine_code`.
-COMPILED = ("src/thrust_allocator/thrust_allocator", "src/marine_model/marine_model")
+COMPILED = ("src/thrust_allocator/thrust_allocator", "src/vessel_sim/vessel_sim", "src/marine_model/marine_model")
 INSTALL_FAILED = "could not install the pinned packages (network lost, or disk full?)"
 
 

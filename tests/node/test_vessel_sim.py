@@ -154,7 +154,15 @@ def content(drivers: Drivers) -> list[tuple[Any, ...]]:
 
     rows: list[tuple[Any, ...]] = [(*pose(m.pose.pose), m.pose.covariance[0]) for m in drivers.poses]
     rows += [
-        (*m.shaft_speed, *m.torque, *m.power, *m.azimuth, *m.azimuth_rate, to_nanoseconds(m.header.stamp))
+        (
+            *m.shaft_speed,
+            *m.torque,
+            *m.power,
+            *m.azimuth,
+            *m.azimuth_rate,
+            *m.pitch_ratio,
+            to_nanoseconds(m.header.stamp),
+        )
         for m in drivers.feedback
     ]
     rows += [
@@ -287,6 +295,9 @@ def test_lockstep_says_that_the_graph_is_not_there(graph: Callable[..., Graph]) 
         ({"torque": [0.0, math.nan, 0.0, 0.0]}, "torque: expected finite"),
         ({"azimuth_rate": [math.inf, 0.0, 0.0, 0.0]}, "azimuth_rate: expected finite"),
         ({"torque": [0.0, 0.0]}, r"torque: expected shape \(4,\), found \(2,\)"),
+        ({"pitch_ratio": [0.81]}, r"pitch_ratio: expected shape \(4,\), found \(1,\)"),
+        ({"pitch_ratio": [0.81, 1.14, math.nan, 1.01]}, "pitch_ratio: expected finite"),
+        ({"pitch_ratio": [0.81, 1.14, 0.93, 0.7]}, "'azimuth_starboard' has a fixed pitch, expected 1.01, found 0.7"),
         ({"name": ["a", "b", "c", "d"]}, "name: expected .*tunnel_bow.*found .*'a'"),
         ({"command_stamp": from_nanoseconds(60 * 10**9)}, r"expected stamps up to 0\.200 s, found 60\.000 s"),
     ],

@@ -1,7 +1,7 @@
 """Compiles the inner loops ahead of their first use: ``python3 -m dp_tools.machine_code``.
 
-Without it the first allocator on a machine compiles them when it is made, which takes half a minute. The machine code
-stays beside the modules, or in the user's cache folder where those cannot be written.
+Without it the first allocator and the first simulator on a machine compile them when they are made, which takes half a
+minute. The machine code stays beside the modules, or in the user's cache folder where those cannot be written.
 """
 
 from __future__ import annotations
@@ -23,8 +23,9 @@ from thrust_allocator.attainable.force_set import force_set
 from thrust_allocator.settings import AllocatorSettings, PowerSettings, SectorSettings
 from thrust_allocator.singularity import gain_map, minimum_gain, scaled_configuration
 from thrust_allocator.singularity.settings import SingularitySettings
-from vessel_sim import WaveSettings
+from vessel_sim import Simulator, SimulatorInputs, WaveSettings
 from vessel_sim.inflow import Inflow
+from vessel_sim.propulsion import PropulsionPlant
 from vessel_sim.waves import HullForm, Waves
 
 _VESSEL = "cybership3"
@@ -85,12 +86,24 @@ def _propellers() -> None:
         function(vessel.propeller_table[0], vessel.propeller_models[0].diameter, vessel.density, 1.0, 0.1, 1.0)
 
 
+def _simulation() -> None:
+    _sea()
+    vessel = load_vessel(_VESSEL)
+    simulator = Simulator(vessel)
+    still = np.zeros(len(vessel.thrusters))
+    # The second step begins where the first one ended.
+    for _ in range(2):
+        simulator.step(SimulatorInputs(still, still), vessel.simulation.time_step)
+    simulator.truth(), simulator.measure()
+    PropulsionPlant(vessel).step(still, still, None, still, still, vessel.simulation.time_step)
+
+
 PARTS: dict[str, Callable[[], None]] = {
     "allocation": _allocation,
     "monitoring": _monitoring,
     "singularity": _singularity,
-    "sea": _sea,
     "propellers": _propellers,
+    "simulation": _simulation,
 }
 
 

@@ -224,6 +224,11 @@ class VesselSimNode(DpNode[NodeSettings]):
             raise InputError(f"actuator_setpoint.name: expected {expected}, found {list(message.name)}")
         torque = finite_vector("actuator_setpoint.torque", message.torque, self._n)
         rate = finite_vector("actuator_setpoint.azimuth_rate", message.azimuth_rate, self._n)
+        # Empty: from drivers that know of no pitch.
+        pitch = None
+        if message.pitch_ratio:
+            pitch = finite_vector("actuator_setpoint.pitch_ratio", message.pitch_ratio, self._n)
+            self._simulator.check_pitch(pitch)
         stamp, command_stamp = to_nanoseconds(message.header.stamp), to_nanoseconds(message.command_stamp)
         now = self._now_ns
         if self.settings.lockstep and max(stamp, command_stamp) > now:
@@ -232,7 +237,7 @@ class VesselSimNode(DpNode[NodeSettings]):
                 f"found {max(stamp, command_stamp) * 1e-9:.3f} s"
             )
         self._answered = (stamp, command_stamp)
-        self._inputs = SimulatorInputs(torque, rate)
+        self._inputs = SimulatorInputs(torque, rate, pitch)
         if self._phase is Phase.COMMAND:
             if command_stamp >= now:
                 self._ask_drivers()
@@ -418,6 +423,7 @@ class VesselSimNode(DpNode[NodeSettings]):
         message.power = _doubles(output.power)
         message.azimuth = _doubles(output.azimuth)
         message.azimuth_rate = _doubles(output.azimuth_rate)
+        message.pitch_ratio = _doubles(output.pitch_ratio)
         self._publish_feedback.publish(message)
 
 

@@ -179,6 +179,16 @@ class Simulator:
         self._output = self._observe()
         return self._output
 
+    def check_pitch(self, pitch_ratio: FloatArray) -> None:
+        """Refuse set points of pitch that :meth:`step` would refuse, before it is too late to ask for others.
+
+        Raises
+        ------
+        InputError
+            As :meth:`step`.
+        """
+        self._plant.check_pitch(pitch_ratio)
+
     def measure(self) -> FloatArray | None:
         """Return the measured pose now, shape (3,): north (m), east (m), heading (rad in [-pi, pi)).
 

@@ -270,7 +270,7 @@ def test_controllable_pitch() -> None:
     # 10 s are more than thirty time constants; 1.5 is beyond what the actuator does.
     assert sim.output.pitch_ratio == pytest.approx([own[0], 0.7, own[2], 1.2], abs=1e-12)
     assert sim.step(STILL, H).pitch_ratio == pytest.approx([own[0], 0.7, own[2], 1.2], abs=1e-12)
-    with pytest.raises(InputError, match="pitch_ratio: thruster 'tunnel_bow' has a fixed pitch, expected 0.81, found"):
+    with pytest.raises(InputError, match=r"pitch_ratio: thruster 'tunnel_bow' has a fixed pitch, expected 0\.81"):
         sim.step(SimulatorInputs(np.zeros(N), np.zeros(N), np.ones(N)), H)
     assert sim.truth().pitch_ratio == pytest.approx([own[0], 0.7, own[2], 1.2], abs=1e-12)
 

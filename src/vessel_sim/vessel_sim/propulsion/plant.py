@@ -50,8 +50,10 @@ class PropulsionPlant:
         self.ventilation = True
         self._names = tables.names
         # Copies: writable and contiguous, so that there is one compiled version of the step.
-        self._tables = tuple(
-            np.array(table, order="C") for table in (tables.parameters, tables.propellers, tables.ventilation)
+        self._tables: tuple[FloatArray, FloatArray, FloatArray] = (
+            np.array(tables.parameters, order="C"),
+            np.array(tables.propellers, order="C"),
+            np.array(tables.ventilation, order="C"),
         )
         self._state: FloatArray = np.array(tables.start, order="C")
         self._shape = (len(self._names),)
@@ -142,6 +144,20 @@ class PropulsionPlant:
         if bad != GOOD:
             self._refuse(bad)
         self._accept()
+
+    def check_pitch(self, pitch_ratio: FloatArray) -> None:
+        """Refuse what :meth:`step` would refuse as ``pitch_ratio``.
+
+        Raises
+        ------
+        InputError
+            As :meth:`step`.
+        """
+        self._given[:] = self._inputs
+        self._take(columns.PITCH_INPUT, pitch_ratio)
+        bad = first_bad(self.parameters, self._state, self._given, columns.PITCH_INPUT, columns.PITCH_INPUT + 1)
+        if bad != GOOD:
+            self._refuse(bad)
 
     def advance(self, advance_speed: FloatArray, submergence: FloatArray, dt: float) -> None:
         """Advance ``state`` by ``dt`` on the set points in force; arguments and errors of :meth:`step`."""

@@ -60,7 +60,7 @@ def first_bad(parameters: np.ndarray, state: np.ndarray, inputs: np.ndarray, fir
     That is a number that is not finite, or another pitch than its own for a propeller of fixed pitch; ``GOOD`` if
     there is none.
     """
-    n = inputs.shape[1]
+    n: int = inputs.shape[1]
     for j in range(first, end):
         for i in range(n):
             if not math.isfinite(inputs[j, i]):

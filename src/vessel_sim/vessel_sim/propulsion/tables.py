@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from marine_model.guards import FloatArray
 from marine_model.thruster import AzimuthThruster
-from marine_model.vessel import Vessel
 from marine_model.ventilation import table as ventilation_table
+from marine_model.vessel import Vessel
 from vessel_sim.propulsion import columns
 
 
