@@ -14,6 +14,7 @@ from marine_model.schema import (
     NonNegative,
     NonNegativeVector3,
     Positive,
+    PositiveByThruster,
     PositiveVector3,
     Section,
 )
@@ -121,6 +122,35 @@ class ShaftSpeedGains(Section):
     integral_time: Positive  # s
 
 
+class PowerGains(Section):
+    """Power control, [Ruth] (3.11)-(3.12)."""
+
+    torque_ratio_max: Annotated[float, Field(ge=1.0)] = 2.0  # torque over that of torque control, near n = 0
+
+
+class CombinedGains(Section):
+    """Weight of torque control in combined control, alpha = exp(-k |p n|^r), [Ruth] (3.14)."""
+
+    gain: Positive = 1.0  # k
+    time: PositiveByThruster | None = None  # s, p; absent: 1/p is the shaft speed at half of the largest thrust
+    exponent: Annotated[float, Field(ge=1.0, le=30.0)] = 20.0  # r
+
+
+class PitchGains(Section):
+    """Pitch control, [Ruth] (3.15)-(3.16)."""
+
+    shaft_speed: PositiveByThruster | None = None  # Hz, n_d; absent: that of the largest thrust at the design pitch
+
+
+class TorqueShaftSpeedGains(Section):
+    """Torque/shaft-speed control, [Ruth] (3.22)-(3.24); what is absent follows from shaft, propeller and pitch servo."""
+
+    torque_coefficient: PositiveByThruster | None = None  # K_Qc; absent: the best at zero advance speed
+    gain: PositiveByThruster | None = None  # 1/Hz, pitch ratio per shaft speed
+    integral_time: PositiveByThruster | None = None  # s
+    filter_time: PositiveByThruster | None = None  # s, low-pass of the shaft speed error; absent: that of the servo
+
+
 class AzimuthGains(Section):
     """Modified P controller of the azimuth direction, [Ruth] (B.37)-(B.38)."""
 
@@ -134,8 +164,25 @@ class DriverGains(Section):
     """Local thruster control."""
 
     shaft_speed: ShaftSpeedGains
+    power: PowerGains = PowerGains()
+    combined: CombinedGains = CombinedGains()
+    pitch: PitchGains = PitchGains()
+    torque_shaft_speed: TorqueShaftSpeedGains = TorqueShaftSpeedGains()
+    transfer_time: Positive | None = None  # s, from one law's torque to another's; absent: shaft_speed.integral_time
     azimuth: AzimuthGains
     command_timeout: Positive  # s without a command until thrust is ramped to zero
+
+    def by_thruster(self) -> dict[tuple[str, str], tuple[float, ...]]:
+        """Return every gain that may be given per thruster, by its field; those that are absent are left out."""
+        rows = {
+            ("combined", "time"): self.combined.time,
+            ("pitch", "shaft_speed"): self.pitch.shaft_speed,
+            ("torque_shaft_speed", "torque_coefficient"): self.torque_shaft_speed.torque_coefficient,
+            ("torque_shaft_speed", "gain"): self.torque_shaft_speed.gain,
+            ("torque_shaft_speed", "integral_time"): self.torque_shaft_speed.integral_time,
+            ("torque_shaft_speed", "filter_time"): self.torque_shaft_speed.filter_time,
+        }
+        return {field: values for field, values in rows.items() if values is not None}
 
 
 class Measurement(Section):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 
 class FieldError(ValueError):
@@ -30,3 +30,13 @@ Vector3 = Annotated[tuple[float, float, float], Field(strict=False)]
 PositiveVector3 = Annotated[tuple[Positive, Positive, Positive], Field(strict=False)]
 NonNegativeVector3 = Annotated[tuple[NonNegative, NonNegative, NonNegative], Field(strict=False)]
 Matrix3 = Annotated[tuple[Vector3, Vector3, Vector3], Field(strict=False)]
+
+
+def _one_is_a_list(value: Any) -> Any:
+    return (value,) if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
+# One number for all thrusters, or one for each in the order of the vessel file.
+PositiveByThruster = Annotated[
+    tuple[Positive, ...], Field(strict=False, min_length=1), BeforeValidator(_one_is_a_list)
+]

@@ -47,6 +47,8 @@ class ShaftDrive(Section):
     torque_max: Positive  # N m, motor torque limit either way
     friction_static: NonNegative  # N m, Coulomb friction
     friction_viscous: NonNegative  # N m s (per Hz of shaft speed)
+    power_max: Positive | None = None  # W, largest |2 pi n Q| of the motor; none when absent
+    speed_max: Positive | None = None  # Hz, largest shaft speed either way; none when absent
 
 
 class PitchDrive(Section):

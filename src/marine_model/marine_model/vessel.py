@@ -22,11 +22,9 @@ from marine_model.power_plant import PowerPlant
 from marine_model.propellers import BollardPropellers, PropellerModel
 from marine_model.schema import FieldError, Positive, Section
 from marine_model.sector import Sector
+from marine_model.shaft_limits import check_shaft_limits
 from marine_model.thruster import AzimuthThruster, Thruster
 from marine_model.thruster_configuration import cartesian_configuration
-
-_PITCHES = 33  # over the range of a controllable pitch, looking for one that reaches the thrust
-
 
 def _frozen(values: list[float]) -> FloatArray:
     array = np.array(values, dtype=np.float64)
@@ -88,19 +86,16 @@ class Vessel(Section):
 
     @model_validator(mode="after")
     def _motors_reach_their_thrust(self) -> Self:
-        for i, (thruster, model) in enumerate(zip(self.thrusters, self.propeller_models, strict=True)):
-            largest = max(thruster.thrust.max, -thruster.thrust.min)
-            pitch = thruster.pitch
-            pitches = np.linspace(pitch.min, pitch.max, _PITCHES) if pitch else np.array([model.pitch_ratio])
-            K_T, K_Q = model.coefficients(0.0, pitches)
-            speed = np.sqrt(largest / (K_T * self.density * model.diameter**4))
-            torque = K_Q / K_T * model.diameter * largest
-            needed = (torque + thruster.shaft.friction_static + thruster.shaft.friction_viscous * speed).min()
-            if needed > thruster.shaft.torque_max:
+        check_shaft_limits(self.thrusters, self.propeller_models, self.density)
+        return self
+
+    @model_validator(mode="after")
+    def _drivers_fit(self) -> Self:
+        n = len(self.thrusters)
+        for field, values in self.drivers.by_thruster().items():
+            if len(values) not in (1, n):
                 raise FieldError(
-                    ("thrusters", i, "shaft", "torque_max"),
-                    f"expected at least {needed:.3g} N m, the torque at the largest thrust of {largest:g} N and no "
-                    f"advance speed, found {thruster.shaft.torque_max:g}",
+                    ("drivers", *field), f"expected one number, or {n}, one a thruster, found {len(values)}"
                 )
         return self
 
