@@ -9,10 +9,11 @@ import numpy as np
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector, positive_number
+from marine_model.propellers.optimal import optimal_maps
 from marine_model.thruster import AzimuthThruster
 from marine_model.vessel import Vessel
 from thruster_drivers.azimuth import AzimuthController
-from thruster_drivers.controllers import ThrusterController, make_controller
+from thruster_drivers.controllers import ThrusterController, make_controller, needs_pitch, tuning_of
 from thruster_drivers.settings import DriverSettings
 from thruster_drivers.shaft_model import shaft_models
 
@@ -35,6 +36,8 @@ class DriverInputs:
         further in the future than the limit is as stale as an old one.
     shaft_speed, torque, azimuth
         Measured: Hz, N m, rad. NaN or infinite: that sensor is lost.
+    pitch_ratio
+        Measured P/D, looked at where the pitch is controllable; None where no thruster has one, or none is measured.
     """
 
     thrust_command: FloatArray
@@ -43,6 +46,7 @@ class DriverInputs:
     shaft_speed: FloatArray
     torque: FloatArray
     azimuth: FloatArray
+    pitch_ratio: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,13 +56,16 @@ class DriverOutput:
     Attributes
     ----------
     torque
-        Motor torque, N m, within the motor's limit.
+        Motor torque, N m, within the limits of torque, power and shaft speed.
     azimuth_rate
         rad/s, within the azimuth motor's limit; 0 for a tunnel thruster.
     command_stale
         True while thrust is at, or on its way to, zero for want of a command.
+    pitch_ratio
+        Set point of P/D, within range and rate of the pitch actuator; the propeller's own where the pitch is fixed.
     shaft_speed_reference
-        n_d, Hz.
+        n_d, Hz: what a law controls the shaft to, or the speed at which a law of torque or power expects to meet the
+        thrust reference.
     thrust_reference
         The thrust being realised, N: the command, reached within the vessel's thrust rate.
     status
@@ -68,6 +75,7 @@ class DriverOutput:
 
     torque: FloatArray
     azimuth_rate: FloatArray
+    pitch_ratio: FloatArray
     command_stale: bool
     shaft_speed_reference: FloatArray
     thrust_reference: FloatArray
@@ -75,10 +83,11 @@ class DriverOutput:
 
 
 class Drivers:
-    """Local control of all thrusters of a vessel, [Ruth] 3.4.1 and B.3.5-B.3.6.
+    """Local control of all thrusters of a vessel, [Ruth] 3.4 and B.3.5-B.3.6.
 
     The thrust reference starts where the shafts are found turning, and from there never moves faster than the vessel's
-    thrust rate: neither when commands stop, nor when they come back, nor when they jump.
+    thrust rate: neither when commands stop, nor when they come back, nor when they jump. A change of control law goes on
+    from the torque and the pitch that it finds.
 
     Parameters
     ----------
@@ -86,9 +95,15 @@ class Drivers:
         Limits, propellers, shafts and gains.
     settings
         Operator's options.
+
+    Raises
+    ------
+    InputError
+        If the settings ask a thruster of fixed pitch for a law that needs a controllable one.
     """
 
     def __init__(self, vessel: Vessel, settings: DriverSettings | None = None) -> None:
+        self._vessel = vessel
         self._gains = vessel.drivers
         self._models = shaft_models(vessel)
         self._n = len(self._models)
@@ -101,17 +116,42 @@ class Drivers:
             else None
             for thruster in vessel.thrusters
         ]
+        for model in self._models:
+            if model.propeller is not None and model.pitch is not None:
+                # Now, and not while measurements wait for the first step of a law that looks them up.
+                optimal_maps(model.propeller, (model.pitch.min, model.pitch.max))
+        self._own_pitch: list[float] = vessel.pitch_ratio.tolist()
+        self._has_pitch = [model.pitch is not None for model in self._models]
+        self._any_pitch = any(self._has_pitch)
         self._controllers: list[ThrusterController] = []
-        self._controller_kind = ""
+        self._laws: list[tuple[str, float]] = []
+        self._taking_over: set[int] = set()  # thrusters whose law has changed since the last step
+        self._last_torque = [0.0] * self._n
+        self._last_pitch = list(self._own_pitch)
+        self._stepped = False
         self._timeout = 0.0
         self._thrust_reference: list[float] | None = None
         self.apply(settings if settings is not None else DriverSettings())
 
     def apply(self, settings: DriverSettings) -> None:
-        """Swap the settings as a whole; they hold from the next step on."""
-        if settings.controller != self._controller_kind:
-            self._controllers = [make_controller(settings.controller, model, self._gains) for model in self._models]
-            self._controller_kind = settings.controller
+        """Swap the settings as a whole; they hold from the next step on.
+
+        Raises
+        ------
+        InputError
+            If they do not fit the vessel. Nothing has changed then.
+        """
+        laws = [
+            (name, settings.advance_speed if needs_pitch(name) else 0.0) for name in settings.controllers(self._vessel)
+        ]
+        changed = [j for j, law in enumerate(laws) if not self._laws or law != self._laws[j]]
+        made = {
+            j: make_controller(laws[j][0], self._models[j], tuning_of(self._gains, j, laws[j][1])) for j in changed
+        }
+        self._controllers = [made.get(j) or self._controllers[j] for j in range(self._n)]
+        self._laws = laws
+        if self._stepped:
+            self._taking_over.update(changed)
         self._timeout = settings.command_timeout or self._gains.command_timeout
 
     def step(self, inputs: DriverInputs, dt: float) -> DriverOutput:
@@ -138,11 +178,16 @@ class Drivers:
             azimuth_command = _finite("azimuth_command", inputs.azimuth_command, n)
         shaft_speed = _measured("shaft_speed", inputs.shaft_speed, n)
         azimuth = _measured("azimuth", inputs.azimuth, n)
+        pitch = self._own_pitch
+        if self._any_pitch and inputs.pitch_ratio is not None:
+            pitch = _measured("pitch_ratio", inputs.pitch_ratio, n)
 
         reference = self._thrust_reference
         if reference is None:
             reference = self._thrust_reference = self._nominal_thrust(shaft_speed)
-        torque = [0.0] * n
+        if self._taking_over:
+            self._take_over(reference, shaft_speed, pitch)
+        last_torque, last_pitch = self._last_torque, self._last_pitch
         azimuth_rate = [0.0] * n
         shaft_speed_reference = [0.0] * n
         for j in range(n):
@@ -160,7 +205,7 @@ class Drivers:
                 thrust = target
             reference[j] = thrust
             controller = self._controllers[j]
-            torque[j] = controller.step(thrust, shaft_speed[j], dt)
+            last_torque[j], last_pitch[j] = controller.step(thrust, shaft_speed[j], pitch[j], dt)
             shaft_speed_reference[j] = controller.shaft_speed_reference
             azimuth_controller = self._azimuth_controllers[j]
             if azimuth_controller is not None and not stale:
@@ -169,22 +214,35 @@ class Drivers:
         if stale:
             status = NO_COMMAND if age == math.inf else COMMAND_STALE
         else:
-            status = SENSOR_LOST if self._sensor_lost(shaft_speed, azimuth) else NOMINAL
+            status = SENSOR_LOST if self._sensor_lost(shaft_speed, azimuth, pitch) else NOMINAL
+        self._stepped = True
         return DriverOutput(
-            np.array(torque),
+            np.array(last_torque),
             np.array(azimuth_rate),
+            np.array(last_pitch) if self._any_pitch else self._vessel.pitch_ratio,
             stale,
             np.array(shaft_speed_reference),
             np.array(reference),
             status,
         )
 
-    def _sensor_lost(self, shaft_speed: list[float], azimuth: list[float]) -> bool:
-        if math.isfinite(sum(shaft_speed) + sum(azimuth)):
+    def _take_over(self, reference: list[float], shaft_speed: list[float], pitch: list[float]) -> None:
+        """Let the laws that are new begin where the last step ended."""
+        for j in self._taking_over:
+            measured = pitch[j] if math.isfinite(pitch[j]) else self._last_pitch[j]
+            self._controllers[j].take_over(reference[j], shaft_speed[j], measured, self._last_torque[j])
+        self._taking_over.clear()
+
+    def _sensor_lost(self, shaft_speed: list[float], azimuth: list[float], pitch: list[float]) -> bool:
+        if math.isfinite(sum(shaft_speed) + sum(azimuth) + sum(pitch)):
             return False  # the common case, at the cost of one addition
-        return not all(map(math.isfinite, shaft_speed)) or any(
-            controller is not None and not math.isfinite(angle)
-            for controller, angle in zip(self._azimuth_controllers, azimuth, strict=True)
+        return (
+            not all(map(math.isfinite, shaft_speed))
+            or any(
+                controller is not None and not math.isfinite(angle)
+                for controller, angle in zip(self._azimuth_controllers, azimuth, strict=True)
+            )
+            or any(has and not math.isfinite(ratio) for has, ratio in zip(self._has_pitch, pitch, strict=True))
         )
 
     def _nominal_thrust(self, shaft_speed: list[float]) -> list[float]:

@@ -47,6 +47,10 @@ class DriversNode(RingNode[DriverSettings]):
         """Return the core's settings with the vessel's timeout, so that the parameter shows the number in force."""
         return DriverSettings(command_timeout=vessel.drivers.command_timeout)
 
+    def check(self, settings: DriverSettings) -> None:
+        """Refuse a law that a thruster cannot follow."""
+        settings.controllers(self.vessel)
+
     def build(self) -> None:
         """Make core, publisher and subscriptions."""
         self._core = Drivers(self.vessel, self.settings)
@@ -86,6 +90,7 @@ class DriversNode(RingNode[DriverSettings]):
             "commands": self._command_count,
             "clipped_commands": self._clipped_count,
             "last_clipped": " ".join(self._last_clipped),
+            "controller": self.settings.controller,
             "feedback": self._feedback_count,
         }
         return Health(level, message, values)
@@ -95,6 +100,7 @@ class DriversNode(RingNode[DriverSettings]):
         self._command_stamps = StampSequence("thruster_command")
         self._command = ThrusterCommand(self._none, self._none, ())
         self._torque = self._azimuth_rate = self._none
+        self._pitch_ratio = self.vessel.pitch_ratio
         self._status = NO_COMMAND
         self._command_age = math.inf
         self._command_count = 0
@@ -129,13 +135,17 @@ class DriversNode(RingNode[DriverSettings]):
         shaft_speed = self._reader.in_order("shaft_speed", message.shaft_speed, order)
         torque = self._reader.in_order("torque", message.torque, order)
         azimuth = self._reader.in_order("azimuth", message.azimuth, order)
+        # Empty: no thruster has a controllable pitch.
+        pitch = self._reader.in_order("pitch_ratio", message.pitch_ratio, order) if message.pitch_ratio else None
         dt = self._feedback_stamps.step(message.header.stamp, self.vessel.simulation.time_step)
         stamp = to_nanoseconds(message.header.stamp)
         command_stamp = self._command_stamps.last
         age = math.inf if command_stamp is None else seconds_between(command_stamp, stamp)
         command = self._command
-        output = self._core.step(DriverInputs(command.thrust, command.azimuth, age, shaft_speed, torque, azimuth), dt)
-        self._torque, self._azimuth_rate = output.torque, output.azimuth_rate
+        output = self._core.step(
+            DriverInputs(command.thrust, command.azimuth, age, shaft_speed, torque, azimuth, pitch), dt
+        )
+        self._torque, self._azimuth_rate, self._pitch_ratio = output.torque, output.azimuth_rate, output.pitch_ratio
         self._command_age = age
         self._feedback_count += 1
         self._publish(stamp, output.command_stale)
@@ -159,6 +169,7 @@ class DriversNode(RingNode[DriverSettings]):
         message.name = self._names
         message.torque = array("d", self._torque.tobytes())
         message.azimuth_rate = array("d", self._azimuth_rate.tobytes())
+        message.pitch_ratio = array("d", self._pitch_ratio.tobytes())
         self._publisher.publish(message)
 
 

@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from pydantic import field_validator
 
+from marine_model.errors import InputError
 from marine_model.settings import Settings, setting
+from marine_model.vessel import Vessel
+from thruster_drivers.controllers import CONTROLLERS, needs_pitch
 
 
 class DriverSettings(Settings):
     """Options of :class:`thruster_drivers.Drivers`; gains belong to the vessel file."""
 
-    controller: Literal["shaft_speed"] = setting("shaft_speed", "Local control law that turns thrust into motor torque")
+    controller: str = setting(
+        "shaft_speed",
+        "Local control law that turns thrust into motor torque and pitch: one for all thrusters, or one for each in the "
+        f"order of the vessel file with commas between (any of: {', '.join(CONTROLLERS)})",
+    )
+    advance_speed: float = setting(
+        0.0,
+        "Advance speed that torque_pitch and shaft_speed_pitch find the best pitch for",
+        unit="m/s",
+        ge=0.0,
+        le=30.0,
+    )
     command_timeout: float = setting(
         0.0,
         "Age of the newest command beyond which thrust is ramped to zero; 0 takes the vessel file's limit",
@@ -18,3 +32,39 @@ class DriverSettings(Settings):
         ge=0.0,
         le=60.0,
     )
+
+    @field_validator("controller")
+    @classmethod
+    def _known(cls, value: str) -> str:
+        for name in _split(value):
+            if name not in CONTROLLERS:
+                raise ValueError(f"expected {', '.join(CONTROLLERS)}, or a list of them, found '{name}'")
+        return value
+
+    def controllers(self, vessel: Vessel) -> tuple[str, ...]:
+        """Return the law of every thruster of ``vessel``, in file order.
+
+        Raises
+        ------
+        InputError
+            If there are neither one nor as many laws as thrusters, or a thruster has not the pitch that its law needs.
+        """
+        names, n = _split(self.controller), len(vessel.thrusters)
+        if len(names) == 1:
+            names *= n
+        if len(names) != n:
+            raise InputError(
+                f"controller: expected one law, or {n}, one a thruster ({', '.join(vessel.thruster_names)}), "
+                f"found {len(names)}"
+            )
+        for thruster, name in zip(vessel.thrusters, names, strict=True):
+            if thruster.pitch is None and needs_pitch(name):
+                raise InputError(
+                    f"controller: expected a law for a fixed pitch at thruster '{thruster.name}', found '{name}', which "
+                    "needs a controllable pitch"
+                )
+        return names
+
+
+def _split(controller: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in controller.split(","))

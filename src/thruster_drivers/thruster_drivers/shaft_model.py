@@ -1,10 +1,12 @@
-"""What a local controller knows about one thruster: propeller at zero advance speed, shaft and motor."""
+"""What a local controller knows about one thruster: propeller, shaft, motor and pitch actuator."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
+from marine_model.propellers.base import PropellerModel
+from marine_model.thruster import PitchDrive
 from marine_model.vessel import Vessel
 
 
@@ -24,6 +26,16 @@ class ShaftModel:
         N m, motor torque limit either way.
     friction_static, friction_viscous
         N m and N m/Hz: friction torque is sign(n) friction_static + friction_viscous n.
+    power_max, speed_max
+        W and Hz, either way; infinite where the vessel file gives none.
+    thrust_max
+        N, the largest thrust either way.
+    density
+        rho, kg/m^3.
+    pitch_ratio
+        P/D of the design, where K_Tc and K_Qc hold.
+    propeller, pitch
+        Propeller model and pitch actuator. Without an actuator the pitch is fixed.
     """
 
     thrust_per_speed_squared: float
@@ -32,6 +44,13 @@ class ShaftModel:
     torque_max: float
     friction_static: float
     friction_viscous: float
+    power_max: float = math.inf
+    speed_max: float = math.inf
+    thrust_max: float = math.inf
+    density: float = math.nan
+    pitch_ratio: float = math.nan
+    propeller: PropellerModel | None = None
+    pitch: PitchDrive | None = None
 
     def shaft_speed(self, thrust: float) -> float:
         """Return the shaft speed (Hz) for ``thrust`` (N): [Ruth] (3.8), extended by the sign of thrust.
@@ -53,6 +72,14 @@ class ShaftModel:
             return load - self.friction_static
         return load
 
+    def friction(self, shaft_speed: float) -> float:
+        """Return the friction torque (N m) at ``shaft_speed`` (Hz)."""
+        if shaft_speed > 0.0:
+            return self.friction_viscous * shaft_speed + self.friction_static
+        if shaft_speed < 0.0:
+            return self.friction_viscous * shaft_speed - self.friction_static
+        return 0.0
+
 
 def shaft_models(vessel: Vessel) -> tuple[ShaftModel, ...]:
     """Return one model per thruster, in the order of the vessel file."""
@@ -65,6 +92,13 @@ def shaft_models(vessel: Vessel) -> tuple[ShaftModel, ...]:
             torque_max=thruster.shaft.torque_max,
             friction_static=thruster.shaft.friction_static,
             friction_viscous=thruster.shaft.friction_viscous,
+            power_max=math.inf if thruster.shaft.power_max is None else thruster.shaft.power_max,
+            speed_max=math.inf if thruster.shaft.speed_max is None else thruster.shaft.speed_max,
+            thrust_max=max(thruster.thrust.max, -thruster.thrust.min),
+            density=vessel.density,
+            pitch_ratio=float(vessel.pitch_ratio[j]),
+            propeller=vessel.propeller_models[j],
+            pitch=thruster.pitch,
         )
         for j, thruster in enumerate(vessel.thrusters)
     )

@@ -26,9 +26,9 @@ from marine_model.propellers.base import PropellerModel
 TAU_MAX = 10.0
 
 _TAU_POINTS = 401
-_PITCH_POINTS = 91
-# Halvings of a bracket of order 1: to rounding.
-_HALVINGS = 52
+_PITCH_POINTS = 46
+# Halvings of a bracket of order 1: to rounding, and to 1e-9, where only the place of an optimum is looked for.
+_HALVINGS, _HALVINGS_OF_A_SEARCH = 52, 30
 # The advance number of no thrust has an infinite tau; this share of it is as good.
 _END = 1.0 - 1e-9
 
@@ -55,11 +55,7 @@ class OptimalMaps:
     def __init__(self, model: PropellerModel, pitch_range: tuple[float, float] | None = None) -> None:
         self.pitch_range = _pitch_range(model, pitch_range)
         tau = TAU_MAX * np.linspace(0.0, 1.0, _TAU_POINTS)
-        pitch = np.linspace(*self.pitch_range, _PITCH_POINTS)
-        J = advance_number(model, tau[:, np.newaxis], pitch)
-        K_T, K_Q = model.coefficients(J, pitch)
-        cost = np.log(K_Q) - 1.5 * np.log(K_T)
-        best = np.array([_least(pitch, row) for row in cost])
+        best = optimal_pitch(model, tau, self.pitch_range)
         K_T, K_Q = model.coefficients(advance_number(model, tau, best), best)
         # Monotone pieces: the pitch ratio has a kink where it reaches the end of its range.
         self._pitch_ratio = PchipInterpolator(tau, best)
@@ -114,10 +110,10 @@ def optimal_pitch(
     """
     pitch = np.linspace(*_pitch_range(model, pitch_range), _PITCH_POINTS)
     given = np.asarray(tau, dtype=np.float64)
-    rows = given.reshape(-1, 1)
-    K_T, K_Q = model.coefficients(advance_number(model, rows, pitch), pitch)
+    J = _advance_number(model, _checked(given).reshape(-1, 1), pitch, _HALVINGS_OF_A_SEARCH)
+    K_T, K_Q = model.coefficients(J, pitch)
     cost = np.log(K_Q) - 1.5 * np.log(K_T)
-    return np.array([_least(pitch, row) for row in cost]).reshape(given.shape)
+    return _least(pitch, cost).reshape(given.shape)
 
 
 def advance_number(model: PropellerModel, tau: ArrayLike, pitch_ratio: ArrayLike) -> FloatArray:
@@ -131,14 +127,21 @@ def advance_number(model: PropellerModel, tau: ArrayLike, pitch_ratio: ArrayLike
     InputError
         If a tau is negative or not finite, or a pitch ratio is out of the model's range.
     """
-    wanted, pitch = np.broadcast_arrays(
-        np.asarray(tau, dtype=np.float64), np.asarray(pitch_ratio, dtype=np.float64)
-    )
-    if not np.isfinite(wanted).all() or (wanted < 0.0).any():
+    wanted = _checked(np.asarray(tau, dtype=np.float64))
+    return _advance_number(model, wanted, np.asarray(pitch_ratio, dtype=np.float64), _HALVINGS)
+
+
+def _checked(tau: FloatArray) -> FloatArray:
+    if not np.isfinite(tau).all() or (tau < 0.0).any():
         raise InputError(f"tau: expected finite numbers not below 0, found {tau}")
+    return tau
+
+
+def _advance_number(model: PropellerModel, tau: FloatArray, pitch_ratio: FloatArray, halvings: int) -> FloatArray:
+    wanted, pitch = np.broadcast_arrays(tau, pitch_ratio)
     low = np.zeros(wanted.shape)
     high = _END * np.asarray(model.advance_number_end(pitch))
-    for _ in range(_HALVINGS):
+    for _ in range(halvings):
         J = 0.5 * (low + high)
         K_T, _ = model.coefficients(J, pitch)
         below = wanted * np.sqrt(np.maximum(K_T, 0.0)) > J
@@ -217,12 +220,20 @@ def _pitch_range(model: PropellerModel, pitch_range: tuple[float, float] | None)
     return least, most
 
 
-def _least(pitch: FloatArray, cost: FloatArray) -> float:
-    """Return where a smooth cost over pitch ratios is least, between the points too."""
-    spline = CubicSpline(pitch, cost)
-    stationary = spline.derivative().roots(extrapolate=False)
-    candidates = np.concatenate([pitch[[0, -1]], stationary[np.isfinite(stationary)]])
-    return float(candidates[np.argmin(spline(candidates))])
+def _least(pitch: FloatArray, cost: FloatArray) -> FloatArray:
+    """Return where every row of a smooth cost over pitch ratios is least, between the points too."""
+    pieces = CubicSpline(pitch, cost, axis=1).c  # (4, pieces, rows), highest power of the distance into a piece first
+    rows, nearest = np.arange(len(cost)), np.argmin(cost, axis=1)
+    best, least = pitch[nearest], cost[rows, nearest]
+    for piece in (np.maximum(nearest - 1, 0), np.minimum(nearest, len(pitch) - 2)):
+        a, b, c, d = pieces[:, piece, rows]
+        # Of the two stationary points the one where the slope rises; this form of the root bears a = 0.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x = -c / (b + np.sqrt(b * b - 3.0 * a * c))
+        value = ((a * x + b) * x + c) * x + d
+        better = (x >= 0.0) & (x <= pitch[piece + 1] - pitch[piece]) & (value < least)
+        best, least = np.where(better, pitch[piece] + x, best), np.where(better, value, least)
+    return best
 
 
 def _held(tau: ArrayLike) -> FloatArray:
