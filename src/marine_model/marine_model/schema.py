@@ -37,6 +37,4 @@ def _one_is_a_list(value: Any) -> Any:
 
 
 # One number for all thrusters, or one for each in the order of the vessel file.
-PositiveByThruster = Annotated[
-    tuple[Positive, ...], Field(strict=False, min_length=1), BeforeValidator(_one_is_a_list)
-]
+PositiveByThruster = Annotated[tuple[Positive, ...], Field(strict=False, min_length=1), BeforeValidator(_one_is_a_list)]

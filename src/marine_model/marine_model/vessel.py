@@ -26,6 +26,7 @@ from marine_model.shaft_limits import check_shaft_limits
 from marine_model.thruster import AzimuthThruster, Thruster
 from marine_model.thruster_configuration import cartesian_configuration
 
+
 def _frozen(values: list[float]) -> FloatArray:
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)

@@ -86,8 +86,8 @@ class Drivers:
     """Local control of all thrusters of a vessel, [Ruth] 3.4 and B.3.5-B.3.6.
 
     The thrust reference starts where the shafts are found turning, and from there never moves faster than the vessel's
-    thrust rate: neither when commands stop, nor when they come back, nor when they jump. A change of control law goes on
-    from the torque and the pitch that it finds.
+    thrust rate: neither when commands stop, nor when they come back, nor when they jump. A change of control law goes
+    on from the torque and the pitch that it finds.
 
     Parameters
     ----------
@@ -145,9 +145,7 @@ class Drivers:
             (name, settings.advance_speed if needs_pitch(name) else 0.0) for name in settings.controllers(self._vessel)
         ]
         changed = [j for j, law in enumerate(laws) if not self._laws or law != self._laws[j]]
-        made = {
-            j: make_controller(laws[j][0], self._models[j], tuning_of(self._gains, j, laws[j][1])) for j in changed
-        }
+        made = {j: make_controller(laws[j][0], self._models[j], tuning_of(self._gains, j, laws[j][1])) for j in changed}
         self._controllers = [made.get(j) or self._controllers[j] for j in range(self._n)]
         self._laws = laws
         if self._stepped:

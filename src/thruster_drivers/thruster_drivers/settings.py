@@ -15,8 +15,8 @@ class DriverSettings(Settings):
 
     controller: str = setting(
         "shaft_speed",
-        "Local control law that turns thrust into motor torque and pitch: one for all thrusters, or one for each in the "
-        f"order of the vessel file with commas between (any of: {', '.join(CONTROLLERS)})",
+        "Local control law that turns thrust into motor torque and pitch: one for all thrusters, or one for each in "
+        f"the order of the vessel file with commas between (any of: {', '.join(CONTROLLERS)})",
     )
     advance_speed: float = setting(
         0.0,
@@ -60,8 +60,8 @@ class DriverSettings(Settings):
         for thruster, name in zip(vessel.thrusters, names, strict=True):
             if thruster.pitch is None and needs_pitch(name):
                 raise InputError(
-                    f"controller: expected a law for a fixed pitch at thruster '{thruster.name}', found '{name}', which "
-                    "needs a controllable pitch"
+                    f"controller: expected a law for a fixed pitch at thruster '{thruster.name}', found '{name}', "
+                    "which needs a controllable pitch"
                 )
         return names
 

@@ -36,8 +36,9 @@ _END = 1.0 - 1e-9
 class OptimalMaps:
     """The best pitch ratio of a propeller over tau and what belongs to it, [Ruth] (3.17)-(3.20) and Figure 3.7.
 
-    All maps are vectorised. Below tau = 0 and above ``TAU_MAX`` they hold the value of that end. Where one local optimum
-    takes over from another the best pitch ratio jumps; the maps cross such a jump within one step of tau of 0.025.
+    All maps are vectorised. Below tau = 0 and above ``TAU_MAX`` they hold the value of that end. Where one local
+    optimum takes over from another the best pitch ratio jumps; the maps cross such a jump within one step of tau of
+    0.025.
 
     Parameters
     ----------
@@ -98,9 +99,7 @@ def _maps_of(propeller: _Propeller, pitch_range: tuple[float, float] | None) -> 
     return OptimalMaps(propeller.model, pitch_range)
 
 
-def optimal_pitch(
-    model: PropellerModel, tau: ArrayLike, pitch_range: tuple[float, float] | None = None
-) -> FloatArray:
+def optimal_pitch(model: PropellerModel, tau: ArrayLike, pitch_range: tuple[float, float] | None = None) -> FloatArray:
     """Return the best pitch ratio k(tau), of the shape of ``tau``, computed for these tau rather than looked up.
 
     Raises
@@ -173,23 +172,25 @@ def pitch_of_torque_coefficient(
     InputError
         If a tau is negative or not finite, or as :class:`OptimalMaps`.
     """
-    given = np.asarray(tau, dtype=np.float64)
+    given = _checked(np.asarray(tau, dtype=np.float64))
     least, most = _pitch_range(model, pitch_range)
     low, high = np.full(given.shape, least), np.full(given.shape, most)
 
     def excess(pitch: FloatArray) -> FloatArray:
-        _, K_Q = model.coefficients(advance_number(model, given, pitch), pitch)
+        _, K_Q = model.coefficients(_advance_number(model, given, pitch, _HALVINGS_OF_A_SEARCH), pitch)
         return np.asarray(K_Q - torque_coefficient)
 
     at_low, at_high = excess(low), excess(high)
-    for _ in range(_HALVINGS):
+    for _ in range(_HALVINGS_OF_A_SEARCH):
         pitch = 0.5 * (low + high)
         below = excess(pitch) < 0.0
         low, high = np.where(below, pitch, low), np.where(below, high, pitch)
     return np.where(at_low >= 0.0, least, np.where(at_high <= 0.0, most, 0.5 * (low + high)))
 
 
-def pitch_of_thrust_coefficient(model: PropellerModel, pitch_range: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+def pitch_of_thrust_coefficient(
+    model: PropellerModel, pitch_range: tuple[float, float]
+) -> tuple[FloatArray, FloatArray]:
     """Return g of [Ruth] (3.16) as a table: rising K_T at J = 0, and the pitch ratios that give it, each shape (m,).
 
     Raises
@@ -233,7 +234,7 @@ def _least(pitch: FloatArray, cost: FloatArray) -> FloatArray:
         value = ((a * x + b) * x + c) * x + d
         better = (x >= 0.0) & (x <= pitch[piece + 1] - pitch[piece]) & (value < least)
         best, least = np.where(better, pitch[piece] + x, best), np.where(better, value, least)
-    return best
+    return np.asarray(best)
 
 
 def _held(tau: ArrayLike) -> FloatArray:
