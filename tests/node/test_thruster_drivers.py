@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import rclpy
+import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from dp_msgs.msg import ActuatorSetpoint, ThrusterCommand, ThrusterFeedback
 from rclpy.node import Node
@@ -17,8 +20,9 @@ from rclpy.parameter import Parameter
 
 from dp_node import RING, RingExecutor, from_nanoseconds, to_nanoseconds
 from marine_model import load_vessel
+from support.thruster_rig import controllable_pitch_vessel
 from support.waiting import wait_until
-from thruster_drivers import DriverInputs, Drivers
+from thruster_drivers import DriverInputs, Drivers, DriverSettings
 from thruster_drivers.node import DriversNode
 
 VESSEL = load_vessel("cybership3")
@@ -76,8 +80,14 @@ class Bench:
         message.header.stamp = from_nanoseconds(stamp)
         self.commands.publish(message)
 
-    def measure(self, stamp: int, shaft_speed: Sequence[float] = REST, names: Sequence[str] = NAMES) -> None:
-        message = ThrusterFeedback(name=list(names), shaft_speed=list(shaft_speed))
+    def measure(
+        self,
+        stamp: int,
+        shaft_speed: Sequence[float] = REST,
+        names: Sequence[str] = NAMES,
+        pitch: Sequence[float] = (),
+    ) -> None:
+        message = ThrusterFeedback(name=list(names), shaft_speed=list(shaft_speed), pitch_ratio=list(pitch))
         message.torque = message.power = message.azimuth_rate = REST
         message.azimuth = [AZIMUTH[NAMES.index(name)] for name in names]
         message.header.stamp = from_nanoseconds(stamp)
@@ -148,6 +158,7 @@ def test_answers_are_the_cores_with_stamps_and_names(bench: Bench) -> None:
         assert list(answer.name) == NAMES
         assert list(answer.torque) == pytest.approx(expected.torque.tolist(), rel=1e-12)  # dt's rounding
         assert list(answer.azimuth_rate) == expected.azimuth_rate.tolist()
+        assert list(answer.pitch_ratio) == VESSEL.pitch_ratio.tolist()
         assert not answer.command_stale
     # A new command is acknowledged with the last torque, without a control step.
     again = bench.answer(lambda: bench.command(START + 20 * STEP))
@@ -261,6 +272,52 @@ def test_timeout_is_a_live_parameter_and_a_bad_one_is_refused(bench: Bench) -> N
     assert not bench.answer(lambda: bench.measure(START + 5 * STEP)).command_stale
     assert bench.node.set_parameters([Parameter("command_timeout", value=0.1)])[0].successful
     assert bench.answer(lambda: bench.measure(START + 6 * STEP)).command_stale
+
+
+def test_a_law_is_a_live_parameter_and_one_that_a_thruster_cannot_follow_is_refused(bench: Bench) -> None:
+    bench.answer(lambda: bench.command(START))
+    speed = [1.0, 2.0, -3.0, 4.0]
+    before = bench.answer(lambda: bench.measure(START, speed))
+    assert bench.node.set_parameters([Parameter("controller", value="torque,power,combined,shaft_speed")])[0].successful
+    assert bench.health()[2]["controller"] == "torque,power,combined,shaft_speed"
+    core = Drivers(VESSEL)
+    core.step(core_inputs(0.0, speed), 0.02)
+    core.apply(DriverSettings(controller="torque,power,combined,shaft_speed"))
+    after = bench.answer(lambda: bench.measure(START + STEP, speed))
+    assert list(after.torque) == pytest.approx(core.step(core_inputs(0.02, speed), 0.02).torque.tolist(), rel=1e-12)
+    assert list(after.torque) != list(before.torque)
+    result = bench.node.set_parameters([Parameter("controller", value="torque,torque,pitch,torque")])[0]
+    assert not result.successful
+    assert "azimuth_port" in result.reason
+    assert "'pitch'" in result.reason
+    assert bench.node.get_parameter("controller").value == "torque,power,combined,shaft_speed"
+
+
+def test_pitch_goes_from_feedback_to_set_point(ros: None, tmp_path: Path) -> None:
+    vessel = controllable_pitch_vessel()
+    file = tmp_path / "controllable_pitch.yaml"
+    file.write_text(yaml.safe_dump(vessel.model_dump(mode="json")), encoding="utf-8")
+    bench = Bench([Parameter("vessel", value=str(file)), Parameter("controller", value="torque_pitch")])
+    try:
+        core = Drivers(vessel, DriverSettings(controller="torque_pitch"))
+        bench.answer(lambda: bench.command(START))
+        order = [2, 0, 3, 1]
+        pitch = [0.7, 0.9, 1.1, 1.3]
+        for k in range(3):
+            answer = bench.answer(
+                lambda k=k: bench.measure(
+                    START + k * STEP, names=[NAMES[i] for i in order], pitch=[pitch[i] for i in order]
+                )
+            )
+            expected = core.step(replace(core_inputs(k * 0.02), pitch_ratio=np.array(pitch)), 0.02)
+            # dt's rounding
+            assert list(answer.pitch_ratio) == pytest.approx(expected.pitch_ratio.tolist(), rel=1e-9)
+        assert np.all(np.abs(np.array(answer.pitch_ratio) - pitch) <= 3 * 0.4 * 0.02 + 1e-9)
+        assert np.all(np.array(answer.pitch_ratio) < pitch)  # on the way to 0.6
+        reason = bench.refused(lambda: bench.measure(START + 4 * STEP, pitch=pitch[:3]))
+        assert "pitch_ratio: expected shape (4,), found (3,)" in reason
+    finally:
+        bench.close()
 
 
 def test_deactivation_leaves_the_motors_without_torque(bench: Bench) -> None:

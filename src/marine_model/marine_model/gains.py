@@ -143,7 +143,7 @@ class PitchGains(Section):
 
 
 class TorqueShaftSpeedGains(Section):
-    """Torque/shaft-speed control, [Ruth] (3.22)-(3.24); what is absent follows from shaft, propeller and pitch servo."""
+    """Torque/shaft-speed control, [Ruth] (3.22)-(3.24); what is absent follows from shaft and propeller."""
 
     torque_coefficient: PositiveByThruster | None = None  # K_Qc; absent: the best at zero advance speed
     gain: PositiveByThruster | None = None  # 1/Hz, pitch ratio per shaft speed

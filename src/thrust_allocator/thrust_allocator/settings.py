@@ -162,7 +162,10 @@ class AllocatorSettings(Settings):
         )
         if gains.singularity is not None:
             values["singularity"] = SingularitySettings(**gains.singularity.model_dump())
-        antispin: dict[str, Any] = {"excluded": (False,) * n, "timeout": _LONGEST_SILENCE * vessel.measurement.sample_time}
+        antispin: dict[str, Any] = {
+            "excluded": (False,) * n,
+            "timeout": _LONGEST_SILENCE * vessel.measurement.sample_time,
+        }
         if vessel.drivers.ventilation is not None:
             antispin["relax_rate"] = vessel.drivers.ventilation.relax_rate
         values["antispin"] = AntiSpinSettings(**antispin)

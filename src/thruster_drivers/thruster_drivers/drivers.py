@@ -94,8 +94,8 @@ class Drivers:
     """Local control of all thrusters of a vessel, [Ruth] 3.4 and B.3.5-B.3.6.
 
     The thrust reference starts where the shafts are found turning, and from there never moves faster than the vessel's
-    thrust rate: neither when commands stop, nor when they come back, nor when they jump. A change of control law goes on
-    from the torque and the pitch that it finds.
+    thrust rate: neither when commands stop, nor when they come back, nor when they jump. A change of control law goes
+    on from the torque and the pitch that it finds.
 
     Parameters
     ----------

@@ -18,8 +18,8 @@ class DriverSettings(Settings):
 
     controller: str = setting(
         "shaft_speed",
-        "Local control law that turns thrust into motor torque and pitch: one for all thrusters, or one for each in the "
-        f"order of the vessel file with commas between (any of: {', '.join(CONTROLLERS)})",
+        "Local control law that turns thrust into motor torque and pitch: one for all thrusters, or one for each in "
+        f"the order of the vessel file with commas between (any of: {', '.join(CONTROLLERS)})",
     )
     advance_speed: float = setting(
         0.0,

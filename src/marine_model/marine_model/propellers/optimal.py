@@ -36,8 +36,9 @@ _END = 1.0 - 1e-9
 class OptimalMaps:
     """The best pitch ratio of a propeller over tau and what belongs to it, [Ruth] (3.17)-(3.20) and Figure 3.7.
 
-    All maps are vectorised. Below tau = 0 and above ``TAU_MAX`` they hold the value of that end. Where one local optimum
-    takes over from another the best pitch ratio jumps; the maps cross such a jump within one step of tau of 0.025.
+    All maps are vectorised. Below tau = 0 and above ``TAU_MAX`` they hold the value of that end. Where one local
+    optimum takes over from another the best pitch ratio jumps; the maps cross such a jump within one step of tau of
+    0.025.
 
     Parameters
     ----------
@@ -171,16 +172,16 @@ def pitch_of_torque_coefficient(
     InputError
         If a tau is negative or not finite, or as :class:`OptimalMaps`.
     """
-    given = np.asarray(tau, dtype=np.float64)
+    given = _checked(np.asarray(tau, dtype=np.float64))
     least, most = _pitch_range(model, pitch_range)
     low, high = np.full(given.shape, least), np.full(given.shape, most)
 
     def excess(pitch: FloatArray) -> FloatArray:
-        _, K_Q = model.coefficients(advance_number(model, given, pitch), pitch)
+        _, K_Q = model.coefficients(_advance_number(model, given, pitch, _HALVINGS_OF_A_SEARCH), pitch)
         return np.asarray(K_Q - torque_coefficient)
 
     at_low, at_high = excess(low), excess(high)
-    for _ in range(_HALVINGS):
+    for _ in range(_HALVINGS_OF_A_SEARCH):
         pitch = 0.5 * (low + high)
         below = excess(pitch) < 0.0
         low, high = np.where(below, pitch, low), np.where(below, high, pitch)
@@ -233,7 +234,7 @@ def _least(pitch: FloatArray, cost: FloatArray) -> FloatArray:
         value = ((a * x + b) * x + c) * x + d
         better = (x >= 0.0) & (x <= pitch[piece + 1] - pitch[piece]) & (value < least)
         best, least = np.where(better, pitch[piece] + x, best), np.where(better, value, least)
-    return best
+    return np.asarray(best)
 
 
 def _held(tau: ArrayLike) -> FloatArray:

@@ -9,7 +9,7 @@ from thruster_drivers.shaft_model import ShaftModel
 
 
 class ShaftSpeedPitchController(SpeedController):
-    """The pitch ratio of least power at the assumed advance speed, and the shaft speed that gives the thrust with it."""
+    """The pitch ratio of least power at the assumed advance speed, and the shaft speed that then gives the thrust."""
 
     needs_pitch = True
 

@@ -16,8 +16,8 @@ class FeedforwardController(ThrusterController):
     Friction is taken at the desired shaft speed: it then has the sign of thrust when the shaft stands still, and gives
     nothing more to a propeller that races.
 
-    After a change of law the difference to the torque before it fades linearly, in the transfer time, and no sooner than
-    the pitch has arrived: the new law's torque belongs to its own pitch, and would race a propeller of less.
+    After a change of law the difference to the torque before it fades linearly, in the transfer time, and no sooner
+    than the pitch has arrived: the new law's torque belongs to its own pitch, and would race a propeller of less.
     """
 
     def __init__(self, model: ShaftModel, tuning: Tuning) -> None:

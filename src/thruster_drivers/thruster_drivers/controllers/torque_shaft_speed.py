@@ -10,9 +10,9 @@ from marine_model.errors import InputError
 from marine_model.propellers.base import PropellerModel
 from marine_model.propellers.optimal import optimal_maps, pitch_of_torque_coefficient
 from marine_model.thruster import PitchDrive
+from thruster_drivers.controllers.base import ControlOutput
 from thruster_drivers.controllers.controllable_pitch import controllable_pitch
 from thruster_drivers.controllers.torque_control import FeedforwardController
-from thruster_drivers.controllers.base import ControlOutput
 from thruster_drivers.controllers.tuning import Tuning
 from thruster_drivers.shaft_model import ShaftModel
 
@@ -31,9 +31,9 @@ class TorqueShaftSpeedController(FeedforwardController):
     both, n above n_d lowers the torque there and raises the pitch here. Here the error is n - n_d along the thrust and
     the gain positive. Error and set point pass a first-order low-pass, and there is no derivative action.
 
-    Unless the vessel file gives gains, they cancel the shaft's own pole at the largest thrust, T_i = 2 pi J / (2 K_Qc rho
-    D^5 n), and put the crossover at a quarter of the servo's corner, 1 / (4 T_servo): with servo and filter that
-    leaves a phase margin of 62 degrees.
+    Unless the vessel file gives gains, they cancel the shaft's own pole at the largest thrust,
+    T_i = 2 pi J / (2 K_Qc rho D^5 n), and put the crossover at a quarter of the servo's corner, 1 / (4 T_servo): with
+    servo and filter that leaves a phase margin of 62 degrees.
     """
 
     needs_pitch = True
