@@ -25,6 +25,7 @@ from marine_model.sector import Sector
 from marine_model.shaft_limits import check_shaft_limits
 from marine_model.thruster import AzimuthThruster, Thruster
 from marine_model.thruster_configuration import cartesian_configuration
+from marine_model.ventilation.data import VentilationData
 
 def _frozen(values: list[float]) -> FloatArray:
     array = np.array(values, dtype=np.float64)
@@ -51,6 +52,7 @@ class Vessel(Section):
     measurement: Measurement
     simulation: Simulation
     power: PowerPlant = PowerPlant()
+    ventilation: VentilationData | None = None  # without it propellers lose nothing to air
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -233,3 +235,8 @@ class Vessel(Section):
     def power_available(self) -> float:
         """P_AV, W; infinite when none is given."""
         return np.inf if self.power.available is None else self.power.available
+
+    @cached_property
+    def ventilation_row(self) -> FloatArray | None:
+        """Packed parameters of ventilation (``marine_model.ventilation.table``); None without ventilation."""
+        return None if self.ventilation is None else self.ventilation.row()

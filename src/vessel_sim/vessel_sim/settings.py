@@ -7,9 +7,9 @@ from typing import Self
 
 from pydantic import model_validator
 
+from marine_model.constants import GRAVITY
 from marine_model.settings import Settings, setting
 
-GRAVITY = 9.81  # m/s^2
 _BREAKING_STEEPNESS = 1.0 / 7.0  # height over length of the steepest wave that does not break (Michell)
 
 

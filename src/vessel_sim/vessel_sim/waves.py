@@ -14,8 +14,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from marine_model.constants import GRAVITY
 from marine_model.vessel import Vessel
-from vessel_sim.settings import GRAVITY, WaveSettings
+from vessel_sim.settings import WaveSettings
 
 Triple = tuple[float, float, float]
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from marine_model import load_vessel
+from marine_model.constants import GRAVITY
 from vessel_sim import SimulatorSettings, WaveSettings
-from vessel_sim.settings import GRAVITY
 from vessel_sim.waves import HullForm, Waves, WaveTrain
 
 VESSEL = load_vessel("cybership3")
