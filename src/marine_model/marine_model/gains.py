@@ -160,6 +160,25 @@ class AzimuthGains(Section):
     rate_per_step: Positive  # rad/s of turning rate for one step of output
 
 
+class VentilationGains(Section):
+    """When a propeller counts as ventilating, [Ruth] (5.14)-(5.17) and (B.41)-(B.44)."""
+
+    on: Annotated[float, Field(gt=0.0, lt=1.0)]  # beta_Q below which it ventilates
+    off: Annotated[float, Field(gt=0.0, lt=1.0)]  # beta_Q above which it no longer does
+    speed_min: Annotated[tuple[Positive, ...], Field(strict=False)]  # Hz, n_min of each thruster
+    # Share of the torque rate that the thrust rate asks for, K_Q D / K_T dT/dt: what rises faster is not flagged
+    torque_rate_limit: Positive
+    deceleration_limit: Positive  # Hz/s: what slows down faster is not flagged
+    relax_rate: Positive  # 1/s, largest rise of beta_Q2
+    false_alarm_interval: Annotated[float, Field(ge=3600.0)]  # s between false alarms from noise of the sensors
+
+    @model_validator(mode="after")
+    def _hysteresis(self) -> Self:
+        if self.on >= self.off:
+            raise ValueError(f"on must be below off, found {self.on} and {self.off}")
+        return self
+
+
 class DriverGains(Section):
     """Local thruster control."""
 
@@ -171,6 +190,7 @@ class DriverGains(Section):
     transfer_time: Positive | None = None  # s, from one law's torque to another's; absent: shaft_speed.integral_time
     azimuth: AzimuthGains
     command_timeout: Positive  # s without a command until thrust is ramped to zero
+    ventilation: VentilationGains | None = None  # without it no ventilation is detected
 
     def by_thruster(self) -> dict[tuple[str, str], tuple[float, ...]]:
         """Return every gain that may be given per thruster, by its field; those that are absent are left out."""

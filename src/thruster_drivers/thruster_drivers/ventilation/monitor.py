@@ -1,0 +1,184 @@
+"""Ventilation detection of all thrusters of a vessel: tables, settings and the memory of losses."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from marine_model.errors import InputError
+from marine_model.gains import VentilationGains
+from marine_model.guards import FloatArray, positive_number
+from marine_model.loss_memory import LossMemory
+from marine_model.vessel import Vessel
+from thruster_drivers.ventilation import tables
+from thruster_drivers.ventilation.detection import SHAFT_DECELERATION, TORQUE_RATE, detect
+from thruster_drivers.ventilation.loss_factor import allowed_noise
+from thruster_drivers.ventilation.settings import VentilationSettings
+
+# A wrong answer of a rate costs a delay, no alarm: two standard deviations of noise, a wrong answer in 44, are enough.
+_DEVIATIONS = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class VentilationState:
+    """What is known after a feedback; arrays of shape (n,) in the order of the vessel file.
+
+    Attributes
+    ----------
+    ventilating
+        Flag of (5.14)-(5.15).
+    beta_q
+        Torque loss factor (B.40) within [0, 2]; 1 near n = 0 and where a sensor is lost.
+    beta_q2
+        Its memory, (5.16)-(5.17).
+    torque
+        Observed propeller torque, N m: 0 where a sensor is lost.
+    shaft_speed
+        Observed shaft speed, Hz; NaN where a sensor is lost.
+    lost
+        True where shaft speed or motor torque is not finite.
+    """
+
+    ventilating: NDArray[np.bool_]
+    beta_q: FloatArray
+    beta_q2: FloatArray
+    torque: FloatArray
+    shaft_speed: FloatArray
+    lost: NDArray[np.bool_]
+
+
+class VentilationMonitor:
+    """Torque observer, loss factor and flag of every thruster.
+
+    Parameters
+    ----------
+    vessel
+        With a section ``drivers.ventilation``.
+    settings
+        Operator's options.
+
+    Raises
+    ------
+    InputError
+        If the vessel has no such section or the settings do not fit it.
+    """
+
+    def __init__(self, vessel: Vessel, settings: VentilationSettings | None = None) -> None:
+        gains = vessel.drivers.ventilation
+        if gains is None:
+            raise InputError(f"drivers.ventilation: expected this section in vessel '{vessel.name}', found none")
+        self._gains = gains
+        self._n = len(vessel.thrusters)
+        self._noise = vessel.measurement.shaft_speed_noise
+        self._sample_time = vessel.measurement.sample_time
+        self._time_step = vessel.simulation.time_step
+        self._load: FloatArray = np.ascontiguousarray(vessel.propellers.torque_per_speed_squared)
+        self._parameters = _parameters(vessel, gains)
+        self._state: FloatArray = np.zeros((self._n, tables.STATE))
+        self._state[:, (tables.BETA, tables.BETA_SAMPLED)] = 1.0
+        self._memory = LossMemory(self._n, gains.relax_rate)
+        self._beta_column = tables.BETA
+        self._method = TORQUE_RATE
+        self._on = self._off = math.nan
+        self.events: NDArray[np.int64] = np.zeros(self._n, dtype=np.int64)
+        """Shape (n,): how often each flag has gone up."""
+        self.apply(settings if settings is not None else VentilationSettings())
+
+    @property
+    def parameters(self) -> FloatArray:
+        """Table of parameters, columns of :mod:`thruster_drivers.ventilation.tables`. A copy."""
+        return self._parameters.copy()
+
+    def apply(self, settings: VentilationSettings) -> None:
+        """Swap the settings as a whole; they hold from the next step on, observers and flags go on.
+
+        Raises
+        ------
+        InputError
+            If ``excluded`` has not one element a thruster, or ``on`` is not below ``off`` once the vessel's numbers
+            are filled in. Nothing has changed then.
+        """
+        on, off = settings.on or self._gains.on, settings.off or self._gains.off
+        if on >= off:
+            raise InputError(f"ventilation.on: expected a number below ventilation.off = {off}, found {on}")
+        excluded = settings.excluded or (False,) * self._n
+        if len(excluded) != self._n:
+            raise InputError(f"ventilation.excluded: expected {self._n} elements, one a thruster, found {len(excluded)}")
+        self._on, self._off = on, off
+        self._parameters[:, tables.EXCLUDED] = excluded
+        interval = self._gains.false_alarm_interval
+        self._parameters[:, tables.NOISE] = self._noise / allowed_noise(on, off, interval, self._time_step)
+        self._parameters[:, tables.NOISE_SAMPLED] = self._noise / allowed_noise(on, off, interval, self._sample_time)
+        self._method = TORQUE_RATE if settings.method == "torque_rate" else SHAFT_DECELERATION
+        self._beta_column = tables.BETA if settings.method == "torque_rate" else tables.BETA_SAMPLED
+
+    def step(
+        self, shaft_speed: FloatArray, torque: FloatArray, dt: float, load: FloatArray | None = None
+    ) -> VentilationState:
+        """Take in one feedback.
+
+        Parameters
+        ----------
+        shaft_speed
+            Shape (n,), Hz, measured now. NaN or infinite: that sensor is lost.
+        torque
+            Shape (n,), N m, motor torque of the step that ended now. NaN or infinite: that sensor is lost.
+        dt
+            s since the last feedback, above 0.
+        load
+            Shape (n,): K_Q0(P/D) rho D^5 at the pitch now, N m/Hz^2; the design pitch's if left out.
+
+        Raises
+        ------
+        InputError
+            If a shape is wrong or ``dt`` is not above 0; nothing has changed then.
+        """
+        elapsed = positive_number("dt", dt)
+        speed = self._vector("shaft_speed", shaft_speed)
+        motor = self._vector("torque", torque)
+        factor = self._load if load is None else self._vector("load", load)
+        state = self._state
+        before = state[:, tables.FLAG].copy()
+        detect(
+            self._parameters, state, factor, speed, motor, elapsed, self._sample_time, self._method, self._on, self._off
+        )
+        flag = state[:, tables.FLAG]
+        self.events += flag > before
+        ventilating = flag != 0.0
+        beta = state[:, self._beta_column].copy()
+        lost = state[:, tables.KNOWN] == 0.0
+        observed = state[:, tables.SPEED].copy()
+        propeller = state[:, tables.BETA] * factor * observed * np.abs(observed)
+        if lost.any():
+            observed[lost] = math.nan
+            propeller[lost] = 0.0
+        return VentilationState(ventilating, beta, self._memory.step(ventilating, beta, elapsed), propeller, observed, lost)
+
+    def _vector(self, name: str, value: FloatArray) -> FloatArray:
+        array = np.ascontiguousarray(value, dtype=np.float64)
+        if array.shape != (self._n,):
+            raise InputError(f"{name}: expected shape ({self._n},), found {array.shape}")
+        return array
+
+
+def _parameters(vessel: Vessel, gains: VentilationGains) -> FloatArray:
+    table: FloatArray = np.zeros((len(vessel.thrusters), tables.PARAMETERS))
+    noise = vessel.measurement.shaft_speed_noise
+    bandwidth = vessel.drivers.shaft_speed.bandwidth
+    # Thrust that grows at its largest rate asks for torque at this rate, from T = K_T rho D^4 n^2, Q = K_Q rho D^5 n^2.
+    rates = vessel.propellers.torque_per_speed_squared / vessel.propellers.thrust_per_speed_squared * vessel.thrust_rate
+    for row, thruster, speed_min, rate in zip(table, vessel.thrusters, gains.speed_min, rates.tolist(), strict=True):
+        shaft = thruster.shaft
+        row[tables.INERTIA] = inertia = 2.0 * math.pi * shaft.inertia
+        row[tables.STATIC] = shaft.friction_static
+        row[tables.VISCOUS] = shaft.friction_viscous
+        row[tables.SPEED_MIN] = speed_min
+        row[tables.TORQUE_RATE_LIMIT] = limit = gains.torque_rate_limit * rate
+        # Shaft-speed control turns noise of the shaft speed into a ripple of the motor torque, 2 pi J omega_b sigma.
+        window = _DEVIATIONS * inertia * bandwidth * noise / limit
+        row[tables.TORQUE_RATE_TIME] = max(window, vessel.simulation.time_step)
+        row[tables.DECELERATION_LIMIT] = gains.deceleration_limit
+    return table

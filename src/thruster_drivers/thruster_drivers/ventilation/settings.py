@@ -1,0 +1,51 @@
+"""What an operator may change about ventilation detection and low-level anti-spin."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from marine_model.settings import Settings, setting
+from marine_model.vessel import Vessel
+
+Switches = Annotated[tuple[bool, ...], Field(strict=False)]
+
+
+class VentilationSettings(Settings):
+    """Ventilation detection; without a section ``drivers.ventilation`` in the vessel file there is none."""
+
+    enabled: bool = setting(True, "Detect ventilation and publish it; needs drivers.ventilation in the vessel file")
+    method: Literal["torque_rate", "shaft_deceleration"] = setting(
+        "torque_rate",
+        "Conditions (5.14) at every feedback, or (B.41)-(B.43) at every sample of the control system",
+    )
+    on: float = setting(0.0, "Loss factor beta_Q below which a propeller ventilates; 0 takes the vessel file's", ge=0.0, le=1.0)
+    off: float = setting(0.0, "Loss factor beta_Q above which it no longer does; 0 takes the vessel file's", ge=0.0, le=1.0)
+    excluded: Switches = setting((), "Per thruster: true where ventilation is never flagged; empty excludes none")
+
+    @model_validator(mode="after")
+    def _hysteresis(self) -> Self:
+        if 0.0 < self.off <= self.on:
+            raise ValueError(f"on must be below off, found {self.on} and {self.off}")
+        return self
+
+    @classmethod
+    def for_vessel(cls, vessel: Vessel) -> Self:
+        """Return the defaults with the vessel's own thresholds, so that parameters show the numbers in force."""
+        gains = vessel.drivers.ventilation
+        if gains is None:
+            return cls()
+        return cls(on=gains.on, off=gains.off, excluded=(False,) * len(vessel.thrusters))
+
+
+class AntiSpinSettings(Settings):
+    """Low-level anti-spin, [Ruth] 3.4.3. Off by default: the thesis' ship runs shaft-speed control, which cannot race."""
+
+    enabled: bool = setting(False, "Reduce thrust while a propeller ventilates and keep every shaft below its speed limit")
+    thrust_floor: float = setting(0.2, "Least share of the demanded thrust that is left while ventilating", ge=0.0, le=1.0)
+    reduction_rate: float = setting(10.0, "Rate at which the share falls", unit="1/s", ge=0.1, le=1000.0)
+    release_rate: float = setting(0.5, "Rate at which the share rises again", unit="1/s", ge=0.001, le=100.0)
+    speed_limit: float = setting(
+        1.2, "Shaft speed that no motor goes beyond, over that of the largest thrust at zero advance speed", ge=1.0, le=5.0
+    )
