@@ -24,5 +24,5 @@ def default_settings(vessel: Vessel) -> dict[str, Settings]:
         OBSERVER: ObserverSettings(),
         CONTROLLER: ControllerSettings(),
         ALLOCATOR: AllocatorSettings.for_vessel(vessel),
-        DRIVERS: DriverSettings(command_timeout=vessel.drivers.command_timeout),
+        DRIVERS: DriverSettings.for_vessel(vessel),
     }

@@ -6,9 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector, positive_number
+from marine_model.propellers.kernel import thrust_torque
 from marine_model.propellers.optimal import optimal_maps
 from marine_model.thruster import AzimuthThruster
 from marine_model.vessel import Vessel
@@ -16,6 +18,7 @@ from thruster_drivers.azimuth import AzimuthController
 from thruster_drivers.controllers import ThrusterController, make_controller, needs_pitch, tuning_of
 from thruster_drivers.settings import DriverSettings
 from thruster_drivers.shaft_model import shaft_models
+from thruster_drivers.ventilation import AntiSpin, VentilationMonitor, VentilationState
 
 NOMINAL = "nominal"
 NO_COMMAND = "no_command"
@@ -67,10 +70,13 @@ class DriverOutput:
         n_d, Hz: what a law controls the shaft to, or the speed at which a law of torque or power expects to meet the
         thrust reference.
     thrust_reference
-        The thrust being realised, N: the command, reached within the vessel's thrust rate.
+        The thrust being realised, N: the command, reached within the vessel's thrust rate; less while anti-spin reduces it.
     status
         ``nominal``, or the name of the safe state in force: ``no_command`` (none has come yet), ``command_stale``,
         ``sensor_lost`` (a thruster runs open loop).
+    ventilating, beta_q, beta_q2
+        Ventilation flag, torque loss factor and its memory, see :class:`~thruster_drivers.ventilation.VentilationState`;
+        False, 1 and 1 where nothing is detected.
     """
 
     torque: FloatArray
@@ -80,6 +86,9 @@ class DriverOutput:
     shaft_speed_reference: FloatArray
     thrust_reference: FloatArray
     status: str
+    ventilating: NDArray[np.bool_]
+    beta_q: FloatArray
+    beta_q2: FloatArray
 
 
 class Drivers:
@@ -121,6 +130,9 @@ class Drivers:
                 # Now, and not while measurements wait for the first step of a law that looks them up.
                 optimal_maps(model.propeller, (model.pitch.min, model.pitch.max))
         self._own_pitch: list[float] = vessel.pitch_ratio.tolist()
+        self._design_load: FloatArray = np.array(vessel.propellers.torque_per_speed_squared)
+        self._propeller_table: FloatArray = np.array(vessel.propeller_table)
+        self._diameter = [thruster.propeller.diameter for thruster in vessel.thrusters]
         self._has_pitch = [model.pitch is not None for model in self._models]
         self._any_pitch = any(self._has_pitch)
         self._controllers: list[ThrusterController] = []
@@ -131,6 +143,12 @@ class Drivers:
         self._stepped = False
         self._timeout = 0.0
         self._thrust_reference: list[float] | None = None
+        self._monitor: VentilationMonitor | None = None
+        self._antispin = AntiSpin(vessel)
+        self._no_flags: NDArray[np.bool_] = np.zeros(self._n, dtype=np.bool_)
+        self._no_loss: FloatArray = np.ones(self._n)
+        for constant in (self._no_flags, self._no_loss):
+            constant.setflags(write=False)
         self.apply(settings if settings is not None else DriverSettings())
 
     def apply(self, settings: DriverSettings) -> None:
@@ -141,6 +159,7 @@ class Drivers:
         InputError
             If they do not fit the vessel. Nothing has changed then.
         """
+        settings.antispin.check(self._vessel)
         laws = [
             (name, settings.advance_speed if needs_pitch(name) else 0.0) for name in settings.controllers(self._vessel)
         ]
@@ -148,11 +167,26 @@ class Drivers:
         made = {
             j: make_controller(laws[j][0], self._models[j], tuning_of(self._gains, j, laws[j][1])) for j in changed
         }
+        self._apply_ventilation(settings)  # the last that may refuse
+        self._antispin.apply(settings.antispin)
         self._controllers = [made.get(j) or self._controllers[j] for j in range(self._n)]
         self._laws = laws
         if self._stepped:
             self._taking_over.update(changed)
         self._timeout = settings.command_timeout or self._gains.command_timeout
+
+    @property
+    def ventilation_events(self) -> NDArray[np.int64] | None:
+        """Shape (n,): how often each flag has gone up; None while nothing is detected."""
+        return None if self._monitor is None else self._monitor.events.copy()
+
+    def _apply_ventilation(self, settings: DriverSettings) -> None:
+        if self._gains.ventilation is None or not settings.ventilation.enabled:
+            self._monitor = None
+        elif self._monitor is None:
+            self._monitor = VentilationMonitor(self._vessel, settings.ventilation)
+        else:
+            self._monitor.apply(settings.ventilation)
 
     def step(self, inputs: DriverInputs, dt: float) -> DriverOutput:
         """Advance all thrusters by ``dt`` (s).
@@ -181,6 +215,11 @@ class Drivers:
         pitch = self._own_pitch
         if self._any_pitch and inputs.pitch_ratio is not None:
             pitch = _measured("pitch_ratio", inputs.pitch_ratio, n)
+        # Last of what may refuse its input: it moves on.
+        seen = None
+        if self._monitor is not None:
+            seen = self._monitor.step(inputs.shaft_speed, inputs.torque, dt, self._nominal_load(pitch))
+        antispin = self._antispin if self._antispin.active else None
 
         reference = self._thrust_reference
         if reference is None:
@@ -188,6 +227,7 @@ class Drivers:
         if self._taking_over:
             self._take_over(reference, shaft_speed, pitch)
         last_torque, last_pitch = self._last_torque, self._last_pitch
+        realised = reference if antispin is None else [0.0] * n
         azimuth_rate = [0.0] * n
         shaft_speed_reference = [0.0] * n
         for j in range(n):
@@ -204,8 +244,12 @@ class Drivers:
             else:
                 thrust = target
             reference[j] = thrust
+            if antispin is not None:
+                thrust = realised[j] = self._reduced(antispin, j, thrust, seen, dt)
             controller = self._controllers[j]
             last_torque[j], last_pitch[j] = controller.step(thrust, shaft_speed[j], pitch[j], dt)
+            if antispin is not None and seen is not None:
+                last_torque[j] = antispin.torque(j, last_torque[j], float(seen.torque[j]), float(seen.shaft_speed[j]))
             shaft_speed_reference[j] = controller.shaft_speed_reference
             azimuth_controller = self._azimuth_controllers[j]
             if azimuth_controller is not None and not stale:
@@ -222,9 +266,30 @@ class Drivers:
             np.array(last_pitch) if self._any_pitch else self._vessel.pitch_ratio,
             stale,
             np.array(shaft_speed_reference),
-            np.array(reference),
+            np.array(realised),
             status,
+            self._no_flags if seen is None else seen.ventilating,
+            self._no_loss if seen is None else seen.beta_q,
+            self._no_loss if seen is None else seen.beta_q2,
         )
+
+    @staticmethod
+    def _reduced(antispin: AntiSpin, j: int, thrust: float, seen: VentilationState | None, dt: float) -> float:
+        """Return what anti-spin leaves of ``thrust`` (N); after a switch-off of the detection it comes back."""
+        if seen is None:
+            return antispin.thrust(j, thrust, False, 1.0, dt)
+        return antispin.thrust(j, thrust, bool(seen.ventilating[j]), float(seen.beta_q[j]), dt)
+
+    def _nominal_load(self, pitch: list[float]) -> FloatArray | None:
+        """Return K_Q0(P/D) rho D^5, N m/Hz^2, of every thruster at its pitch now; None where every pitch is fixed."""
+        if not self._any_pitch:
+            return None
+        load = self._design_load.copy()
+        for j, model in enumerate(self._models):
+            if self._has_pitch[j] and math.isfinite(pitch[j]):
+                row, diameter = self._propeller_table[j], self._diameter[j]
+                load[j] = thrust_torque(row, diameter, model.density, 1.0, 0.0, pitch[j])[1]  # at 1 Hz
+        return load
 
     def _take_over(self, reference: list[float], shaft_speed: list[float], pitch: list[float]) -> None:
         """Let the laws that are new begin where the last step ended."""

@@ -7,7 +7,7 @@ from array import array
 from typing import Any
 
 import numpy as np
-from dp_msgs.msg import ActuatorSetpoint, ThrusterFeedback
+from dp_msgs.msg import ActuatorSetpoint, ThrusterFeedback, Ventilation
 from dp_msgs.msg import ThrusterCommand as ThrusterCommandMessage
 
 from dp_node import Health, Level, RingNode, StampSequence, from_nanoseconds, run_node, to_nanoseconds
@@ -44,8 +44,8 @@ class DriversNode(RingNode[DriverSettings]):
         self._feedback_reported = 0
 
     def default_settings(self, vessel: Vessel) -> DriverSettings:
-        """Return the core's settings with the vessel's timeout, so that the parameter shows the number in force."""
-        return DriverSettings(command_timeout=vessel.drivers.command_timeout)
+        """Return the core's settings with the vessel's numbers, so that the parameters show what is in force."""
+        return DriverSettings.for_vessel(vessel)
 
     def check(self, settings: DriverSettings) -> None:
         """Refuse a law that a thruster cannot follow."""
@@ -58,6 +58,8 @@ class DriversNode(RingNode[DriverSettings]):
         self._names = list(self.vessel.thruster_names)
         self._none: FloatArray = np.zeros(len(self._names))
         self._publisher = self.publish_on(ActuatorSetpoint, "actuator_setpoint")
+        self._detects = self.vessel.drivers.ventilation is not None
+        self._ventilation_publisher = self.publish_on(Ventilation, "ventilation") if self._detects else None
         self._forget()
         self.listen(ThrusterFeedback, "thruster_feedback", self._on_feedback)
         self.listen(ThrusterCommandMessage, "thruster_command", self._on_command)
@@ -93,6 +95,10 @@ class DriversNode(RingNode[DriverSettings]):
             "controller": self.settings.controller,
             "feedback": self._feedback_count,
         }
+        events = self._core.ventilation_events
+        if events is not None:
+            for name, count in zip(self._names, events.tolist(), strict=True):
+                values[f"ventilation_events.{name}"] = count
         return Health(level, message, values)
 
     def _forget(self) -> None:
@@ -149,6 +155,8 @@ class DriversNode(RingNode[DriverSettings]):
         self._command_age = age
         self._feedback_count += 1
         self._publish(stamp, output.command_stale)
+        if self._ventilation_publisher is not None and self.settings.ventilation.enabled:
+            self._publish_ventilation(self._ventilation_publisher, message.header.stamp, output)
         if output.status != self._status:
             self._report(output)
 
@@ -171,6 +179,16 @@ class DriversNode(RingNode[DriverSettings]):
         message.azimuth_rate = array("d", self._azimuth_rate.tobytes())
         message.pitch_ratio = array("d", self._pitch_ratio.tobytes())
         self._publisher.publish(message)
+
+    def _publish_ventilation(self, publisher: Any, stamp: Any, output: DriverOutput) -> None:
+        message = Ventilation()
+        message.header.stamp = stamp
+        message.header.frame_id = BODY_FRAME
+        message.name = self._names
+        message.ventilating = output.ventilating.tolist()
+        message.beta_q = array("d", output.beta_q.tobytes())
+        message.beta_q2 = array("d", output.beta_q2.tobytes())
+        publisher.publish(message)
 
 
 def main() -> None:

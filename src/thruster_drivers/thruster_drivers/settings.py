@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from pydantic import field_validator
+from typing import Self
+
+from pydantic import field_validator, model_validator
 
 from marine_model.errors import InputError
 from marine_model.settings import Settings, setting
 from marine_model.vessel import Vessel
 from thruster_drivers.controllers import CONTROLLERS, needs_pitch
+from thruster_drivers.ventilation.settings import AntiSpinSettings, VentilationSettings
 
 
 class DriverSettings(Settings):
@@ -32,6 +35,8 @@ class DriverSettings(Settings):
         ge=0.0,
         le=60.0,
     )
+    ventilation: VentilationSettings = VentilationSettings()
+    antispin: AntiSpinSettings = AntiSpinSettings()
 
     @field_validator("controller")
     @classmethod
@@ -64,6 +69,20 @@ class DriverSettings(Settings):
                     "needs a controllable pitch"
                 )
         return names
+
+    @model_validator(mode="after")
+    def _antispin_needs_the_observer(self) -> Self:
+        if self.antispin.enabled and not self.ventilation.enabled:
+            raise ValueError("antispin.enabled must be false while ventilation.enabled is, because it needs its observer")
+        return self
+
+    @classmethod
+    def for_vessel(cls, vessel: Vessel) -> Self:
+        """Return the defaults with the vessel's own numbers, so that parameters show what is in force."""
+        return cls(
+            command_timeout=vessel.drivers.command_timeout,
+            ventilation=VentilationSettings.for_vessel(vessel),
+        )
 
 
 def _split(controller: str) -> tuple[str, ...]:
