@@ -75,7 +75,7 @@ class VentilationMonitor:
         self._noise = vessel.measurement.shaft_speed_noise
         self._sample_time = vessel.measurement.sample_time
         self._time_step = vessel.simulation.time_step
-        self._load: FloatArray = np.ascontiguousarray(vessel.propellers.torque_per_speed_squared)
+        self._load: FloatArray = np.array(vessel.propellers.torque_per_speed_squared)
         self._parameters = _parameters(vessel, gains)
         self._state: FloatArray = np.zeros((self._n, tables.STATE))
         self._state[:, (tables.BETA, tables.BETA_SAMPLED)] = 1.0
@@ -86,6 +86,7 @@ class VentilationMonitor:
         self.events: NDArray[np.int64] = np.zeros(self._n, dtype=np.int64)
         """Shape (n,): how often each flag has gone up."""
         self.apply(settings if settings is not None else VentilationSettings())
+        self._detect(self._state[:0], np.zeros(0), np.zeros(0), np.zeros(0), self._time_step)  # machine code now, not later
 
     @property
     def parameters(self) -> FloatArray:
@@ -142,9 +143,7 @@ class VentilationMonitor:
         factor = self._load if load is None else self._vector("load", load)
         state = self._state
         before = state[:, tables.FLAG].copy()
-        detect(
-            self._parameters, state, factor, speed, motor, elapsed, self._sample_time, self._method, self._on, self._off
-        )
+        self._detect(state, factor, speed, motor, elapsed)
         flag = state[:, tables.FLAG]
         self.events += flag > before
         ventilating = flag != 0.0
@@ -157,8 +156,12 @@ class VentilationMonitor:
             propeller[lost] = 0.0
         return VentilationState(ventilating, beta, self._memory.step(ventilating, beta, elapsed), propeller, observed, lost)
 
+    def _detect(self, state: FloatArray, load: FloatArray, speed: FloatArray, torque: FloatArray, dt: float) -> None:
+        parameters, sample_time = self._parameters, self._sample_time
+        detect(parameters, state, load, speed, torque, dt, sample_time, self._method, self._on, self._off)
+
     def _vector(self, name: str, value: FloatArray) -> FloatArray:
-        array = np.ascontiguousarray(value, dtype=np.float64)
+        array = np.array(value, dtype=np.float64)  # a copy: a read-only array is another type to compiled code
         if array.shape != (self._n,):
             raise InputError(f"{name}: expected shape ({self._n},), found {array.shape}")
         return array

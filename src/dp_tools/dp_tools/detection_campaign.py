@@ -1,0 +1,425 @@
+"""How well the drivers find ventilation: simulated events, and a sea without any.
+
+The drivers themselves run, with the vessel's control law, sensor noise and rates. Around them are shafts whose load is
+
+    Q_p = beta (K_Q0 rho D^5 n|n| + a_Q rho D^4 |n| V_A),
+
+[Ruth] (3.7) times the loss factor of the ventilation model; the hull is left out. Truth is beta_Q = Q_p / (K_Q0 rho D^5 n|n|),
+with what the advance speed takes. An event is a time longer than half a second in which it is below the threshold
+`on` while |n| > n_min.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from marine_model import Vessel
+from marine_model.compiled import compiled
+from marine_model.constants import GRAVITY
+from marine_model.errors import InputError
+from marine_model.guards import FloatArray
+from marine_model.ventilation.dynamic import limited_rise
+from marine_model.ventilation.static import loss_factors
+from marine_model.ventilation.table import TORQUE_RISE_RATE
+from thruster_drivers import DriverInputs, Drivers, DriverSettings
+
+EVENT_LENGTH = 0.5  # s; shorter ones are not asked for
+SAMPLES = 2  # of the control system, within which an event is to be found
+_SUBSTEPS = 4  # of Runge-Kutta's method a step: error below 1e-6 Hz at the fastest shaft of CyberShip III
+
+
+@dataclass(frozen=True, slots=True)
+class DetectionTable:
+    """Confusion table of one method, all thrusters that it watches together.
+
+    Attributes
+    ----------
+    method
+        ``ventilation.method``.
+    hours
+        Simulated time times the number of thrusters watched.
+    events
+        Events longer than ``EVENT_LENGTH``.
+    found
+        Of these: flagged before they ended.
+    found_in_time
+        Of these: flagged within ``SAMPLES`` samples of the control system.
+    missed
+        Events less ``found``.
+    flags
+        How often a flag went up.
+    early
+        Flags that went up while the true beta_Q was between ``on`` and ``off``: neither wet nor ventilating.
+    false_alarms
+        Flags that went up after the true beta_Q had been above ``off`` for ``SAMPLES`` samples.
+    delays
+        Shape (found,): s from the start of an event to its flag; 0 where the flag was up already.
+    speeds
+        Shape (events,): mean |n| of every event, Hz.
+    depths
+        Shape (events,): least true beta_Q of every event.
+    in_time
+        Shape (events,): whether it was found in time.
+    """
+
+    method: str
+    hours: float
+    events: int
+    found: int
+    found_in_time: int
+    missed: int
+    flags: int
+    early: int
+    false_alarms: int
+    delays: FloatArray
+    speeds: FloatArray
+    depths: FloatArray
+    in_time: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """What surrounds the drivers, one row a step of the simulator; arrays of shape (steps, n).
+
+    Attributes
+    ----------
+    thrust
+        Commanded, N; a command holds for a sample of the control system, as the allocator's does.
+    submergence
+        h/R; None: nothing ventilates.
+    advance_speed
+        V_A, m/s.
+    """
+
+    thrust: FloatArray
+    submergence: FloatArray | None
+    advance_speed: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What a trial gave; arrays of shape (steps, n)."""
+
+    shaft_speed: FloatArray  # true, Hz
+    beta_q: FloatArray  # true
+    estimate: FloatArray  # beta_Q of the drivers
+    ventilating: NDArray[np.bool_]
+
+
+@compiled
+def _advance(
+    speed: FloatArray,
+    held: FloatArray,
+    beta: FloatArray,
+    torque: FloatArray,
+    load: FloatArray,
+    slope: FloatArray,
+    inertia: FloatArray,
+    diameter: FloatArray,
+    pitch_ratio: FloatArray,
+    submergence: FloatArray,
+    advance_speed: FloatArray,
+    row: FloatArray,
+    ventilated: bool,
+    dt: float,
+    substeps: int,
+) -> None:
+    """Advance all shafts by ``dt``; ``speed``, ``held`` (beta_Qw) and ``beta`` are changed."""
+    h = dt / substeps
+    for j in range(speed.size):
+        factor = 1.0
+        n = speed[j]
+        if ventilated:
+            area, _, wetted = loss_factors(row, n, diameter[j], pitch_ratio[j], submergence[j])
+            held[j] = limited_rise(wetted, held[j], row[TORQUE_RISE_RATE], dt)
+            factor = area * held[j]
+        c, a, q = factor * load[j], factor * slope[j] * advance_speed[j], torque[j]
+        for _ in range(substeps):
+            k1 = (q - c * n * abs(n) - a * abs(n)) / inertia[j]
+            m = n + 0.5 * h * k1
+            k2 = (q - c * m * abs(m) - a * abs(m)) / inertia[j]
+            m = n + 0.5 * h * k2
+            k3 = (q - c * m * abs(m) - a * abs(m)) / inertia[j]
+            m = n + h * k3
+            k4 = (q - c * m * abs(m) - a * abs(m)) / inertia[j]
+            n += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+        speed[j] = n
+        # Near rest there is no nominal torque to compare with.
+        beta[j] = factor + (a / load[j] / n if abs(n) > 1e-3 else 0.0)
+
+
+def sail(
+    vessel: Vessel,
+    trial: Trial,
+    settings: DriverSettings | None = None,
+    seed: int = 0,
+    torque_slope: float = 0.0,
+    pitch_ratio: float = 1.0,
+) -> Record:
+    """Let the drivers of ``vessel`` go through ``trial``.
+
+    Parameters
+    ----------
+    vessel
+        With ``drivers.ventilation``, and with ``ventilation`` if the trial has a submergence.
+    trial
+        Commands and surroundings.
+    settings
+        Of the drivers.
+    seed
+        Of the sensor noise.
+    torque_slope
+        a_Q / K_Q0 of [Ruth] (3.7): relative change of K_Q with the advance number, at most 0.
+    pitch_ratio
+        P/D of all propellers.
+
+    Raises
+    ------
+    InputError
+        If the vessel lacks a section, or has friction, which this bench leaves out.
+    """
+    if trial.submergence is not None and vessel.ventilation is None:
+        raise InputError(f"ventilation: expected this section in vessel '{vessel.name}', found none")
+    if any(t.shaft.friction_static or t.shaft.friction_viscous for t in vessel.thrusters):
+        raise InputError(f"thrusters.shaft: expected no friction, found some in vessel '{vessel.name}'")
+    steps, n = trial.thrust.shape
+    dt = vessel.simulation.time_step
+    drivers = Drivers(vessel, settings)
+    diameter = np.array([t.propeller.diameter for t in vessel.thrusters])
+    load = np.ascontiguousarray(vessel.propellers.torque_per_speed_squared)
+    slope = torque_slope * load / diameter  # a_Q rho D^4
+    inertia = np.array([2.0 * math.pi * t.shaft.inertia for t in vessel.thrusters])
+    torque_max = np.array([t.shaft.torque_max for t in vessel.thrusters])
+    pitch = np.full(n, pitch_ratio)
+    row = np.zeros(1) if vessel.ventilation is None else vessel.ventilation.row().copy()
+    submergence = np.zeros((steps, n)) if trial.submergence is None else trial.submergence
+    noise = np.random.default_rng(seed).standard_normal((steps, n)) * vessel.measurement.shaft_speed_noise
+    azimuth = vessel.fixed_direction.copy()
+    speed, held, beta, torque = np.zeros(n), np.ones(n), np.ones(n), np.zeros(n)
+    record = Record(*(np.empty((steps, n)) for _ in range(3)), np.empty((steps, n), dtype=np.bool_))
+    for k in range(steps):
+        record.shaft_speed[k] = speed
+        record.beta_q[k] = beta
+        output = drivers.step(DriverInputs(trial.thrust[k], azimuth, 0.0, speed + noise[k], torque, azimuth), dt)
+        record.estimate[k] = output.beta_q
+        record.ventilating[k] = output.ventilating
+        torque = output.torque.clip(-torque_max, torque_max)
+        _advance(
+            speed,
+            held,
+            beta,
+            torque,
+            load,
+            slope,
+            inertia,
+            diameter,
+            pitch,
+            submergence[k],
+            trial.advance_speed[k],
+            row,
+            trial.submergence is not None,
+            dt,
+            _SUBSTEPS,
+        )
+    return record
+
+
+def tabulate(vessel: Vessel, record: Record, settings: DriverSettings | None = None) -> DetectionTable:
+    """Compare flags with the truth.
+
+    Raises
+    ------
+    InputError
+        If the vessel has no section ``drivers.ventilation``.
+    """
+    gains = vessel.drivers.ventilation
+    if gains is None:
+        raise InputError(f"drivers.ventilation: expected this section in vessel '{vessel.name}', found none")
+    ventilation = (settings or DriverSettings()).ventilation
+    on, off = ventilation.on or gains.on, ventilation.off or gains.off
+    excluded = ventilation.excluded or (False,) * len(vessel.thrusters)
+    dt, sample = vessel.simulation.time_step, vessel.measurement.sample_time
+    allowed = SAMPLES * sample
+    back = round(allowed / dt)
+    # A thruster that cannot reach n_min is not watched.
+    fastest = vessel.propellers.shaft_speed(np.maximum(vessel.thrust_max, -vessel.thrust_min))
+    watched = [j for j, least in enumerate(gains.speed_min) if fastest[j] > least and not excluded[j]]
+    delays: list[float] = []
+    speeds: list[float] = []
+    depths: list[float] = []
+    in_time: list[bool] = []
+    flags = early = false_alarms = 0
+    for j in watched:
+        beta, size, flag = record.beta_q[:, j], np.abs(record.shaft_speed[:, j]), record.ventilating[:, j]
+        for start, end in _runs((beta < on) & (size > gains.speed_min[j])):
+            if (end - start) * dt <= EVENT_LENGTH + 1e-9:
+                continue
+            up = np.flatnonzero(flag[start:end])
+            if up.size:
+                delays.append(float(up[0]) * dt)
+            in_time.append(bool(up.size) and delays[-1] <= allowed + 1e-9)
+            speeds.append(float(size[start:end].mean()))
+            depths.append(float(beta[start:end].min()))
+        for start, _ in _runs(flag):
+            flags += 1
+            past = beta[max(0, start - back) : start + 1]
+            if past.min() > off:
+                false_alarms += 1
+            elif past.min() >= on:
+                early += 1
+    return DetectionTable(
+        method=ventilation.method,
+        hours=record.beta_q.shape[0] * dt / 3600.0 * len(watched),
+        events=len(in_time),
+        found=len(delays),
+        found_in_time=sum(in_time),
+        missed=len(in_time) - len(delays),
+        flags=flags,
+        early=early,
+        false_alarms=false_alarms,
+        delays=np.array(delays),
+        speeds=np.array(speeds),
+        depths=np.array(depths),
+        in_time=np.array(in_time, dtype=np.bool_),
+    )
+
+
+def _runs(truth: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return the first and one past the last index of every run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], truth, [False])).astype(np.int8)))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def ventilation_trial(vessel: Vessel, duration: float, seed: int) -> Trial:
+    """Return thrust and submergence that vary from one quarter of a minute to the next.
+
+    Thrust either way between that of 1.2 n_min and the largest; mean h/R from 0 to 2, its amplitude up to 1.5, its period
+    from 0.8 s, that of the waves of [Ruth] Appendix C, to 10 s, that of (2.58). No advance speed.
+
+    Parameters
+    ----------
+    vessel
+        With ``drivers.ventilation``.
+    duration
+        s.
+    seed
+        Of the trial.
+
+    Raises
+    ------
+    InputError
+        If the vessel has no section ``drivers.ventilation``.
+    """
+    gains = vessel.drivers.ventilation
+    if gains is None:
+        raise InputError(f"drivers.ventilation: expected this section in vessel '{vessel.name}', found none")
+    random = np.random.default_rng(seed)
+    n, dt = len(vessel.thrusters), vessel.simulation.time_step
+    length = round(15.0 / dt)
+    blocks = math.ceil(duration / dt / length)
+    least = vessel.propellers.thrust(1.2 * np.array(gains.speed_min))
+    share, forward = random.uniform(0.0, 1.0, (blocks, n)), random.random((blocks, n)) < 0.6
+    highest = np.where(forward, vessel.thrust_max, -vessel.thrust_min)
+    thrust = np.where(forward, 1.0, -1.0) * np.minimum(highest, least + share * (highest - least).clip(0.0))
+    mean, amplitude = random.uniform(0.0, 2.0, (blocks, n)), random.uniform(0.0, 1.5, (blocks, n))
+    omega = 2.0 * np.pi / np.exp(random.uniform(math.log(0.8), math.log(10.0), (blocks, n)))
+    steps = round(duration / dt)
+    block = np.arange(steps) // length
+    # The phase goes on from block to block, so that the surface does not jump by more than a change of mean and height.
+    phase = np.cumsum(omega[block] * dt, axis=0)
+    submergence = mean[block] + amplitude[block] * np.sin(phase)
+    return Trial(np.ascontiguousarray(thrust[block]), submergence, np.zeros((steps, n)))
+
+
+def moderate_sea_trial(vessel: Vessel, duration: float, seed: int, depth: float = 0.1) -> Trial:
+    """Return thrust and advance speed in a moderate sea, nothing ventilating.
+
+    The sea of [Ruth] 3.7, H_s = 2 m and T_p = 5.9 s with gamma = 3.3 at full scale, in the middle of what the WMO calls
+    moderate (1.25 m to 2.5 m), brought to the vessel's scale. Advance speed: the current of 3.7, 1 m/s, and the orbital
+    velocity at ``depth``, either way of the propeller. Thrust: a quarter of a minute each of a mean and a sine of 3 s to 20 s,
+    of which every fourth is a row of steps between full ahead, full astern and nothing, as fast as the drivers let them.
+
+    Parameters
+    ----------
+    vessel
+        Scale and limits of thrust.
+    duration
+        s.
+    seed
+        Of the trial.
+    depth
+        m, of the shafts.
+    """
+    random = np.random.default_rng(seed)
+    n, dt, scale = len(vessel.thrusters), vessel.simulation.time_step, vessel.scale
+    steps = round(duration / dt)
+    time = np.arange(steps) * dt
+    height, period, current = 2.0 / scale, 5.9 / math.sqrt(scale), 1.0 / math.sqrt(scale)
+    advance = current + _orbital_velocity(height, period, depth, time, random)
+    advance_speed = advance[:, None] * np.where(random.random(n) < 0.5, 1.0, -1.0)[None, :]
+
+    length = round(15.0 / dt)
+    blocks = math.ceil(steps / length)
+    block = np.arange(steps) // length
+    mean, swing = random.uniform(-0.8, 0.8, (blocks, n)), random.uniform(0.0, 0.6, (blocks, n))
+    omega = 2.0 * np.pi / random.uniform(3.0, 20.0, (blocks, n))
+    share = mean[block] + swing[block] * np.sin(omega[block] * time[:, None])
+    ladder = random.choice([-1.0, -0.5, 0.0, 0.5, 1.0], (steps // round(2.0 / dt) + 1, n))
+    stepped = ladder[np.arange(steps) // round(2.0 / dt)]
+    share = np.where((block % 4 == 3)[:, None], stepped, share)
+    thrust = np.where(share >= 0.0, share * vessel.thrust_max, -share * vessel.thrust_min)
+    sample = round(vessel.measurement.sample_time / dt)
+    held = np.arange(steps) // sample * sample
+    limited = thrust[held].clip(vessel.thrust_min, vessel.thrust_max)
+    return Trial(np.ascontiguousarray(limited), None, np.ascontiguousarray(advance_speed))
+
+
+def _orbital_velocity(
+    height: float, period: float, depth: float, time: FloatArray, random: np.random.Generator
+) -> FloatArray:
+    """Return the horizontal orbital velocity of a JONSWAP sea (gamma 3.3), m/s, by inverse FFT over ``time``."""
+    dt = float(time[1] - time[0])
+    frequency = np.fft.rfftfreq(time.size, dt)[1:]
+    omega, peak = 2.0 * np.pi * frequency, 2.0 * np.pi / period
+    width = np.where(omega <= peak, 0.07, 0.09)
+    shape = omega**-5.0 * np.exp(-1.25 * (peak / omega) ** 4.0)
+    shape *= 3.3 ** np.exp(-((omega - peak) ** 2) / (2.0 * (width * peak) ** 2))
+    step = omega[1] - omega[0]
+    spectrum = shape * (height / 4.0) ** 2 / (shape.sum() * step)  # m_0 = (H_s / 4)^2
+    # Deep water: the velocity's amplitude is omega exp(-k z) times that of the elevation.
+    amplitude = np.sqrt(2.0 * spectrum * step) * omega * np.exp(-(omega**2) / GRAVITY * depth)
+    coefficients = np.zeros(time.size // 2 + 1, dtype=np.complex128)
+    coefficients[1:] = amplitude * np.exp(2j * np.pi * random.random(frequency.size))
+    return np.asarray(np.fft.irfft(coefficients, time.size) * time.size / 2.0)
+
+
+def campaign(
+    vessel: Vessel,
+    method: str,
+    duration: float = 3600.0,
+    seed: int = 0,
+    torque_slope: float = 0.0,
+    pitch_ratio: float = 1.0,
+) -> tuple[DetectionTable, DetectionTable]:
+    """Return the tables of ``duration`` (s) of ventilation and of as much moderate sea without it, for one method.
+
+    ``torque_slope`` and ``pitch_ratio`` are those of :func:`sail`.
+
+    Raises
+    ------
+    InputError
+        If the vessel lacks a section that is needed, or ``method`` is none of the drivers'.
+    """
+    base = DriverSettings().ventilation
+    if method not in ("torque_rate", "shaft_deceleration"):
+        raise InputError(f"method: expected torque_rate or shaft_deceleration, found '{method}'")
+    settings = DriverSettings(ventilation=type(base).model_validate({**base.model_dump(), "method": method}))
+    tables = []
+    for trial in (ventilation_trial(vessel, duration, seed), moderate_sea_trial(vessel, duration, seed)):
+        record = sail(vessel, trial, settings, seed, torque_slope, pitch_ratio)
+        tables.append(tabulate(vessel, record, settings))
+    return tables[0], tables[1]
