@@ -1,6 +1,7 @@
 """How well the drivers find ventilation: simulated events, and a sea without any.
 
-The drivers themselves run, with the vessel's control law, sensor noise and rates. Around them are shafts whose load is
+The drivers' own detection runs, compiled with everything around it: thrust reference, shaft-speed law and sensor noise as
+in the drivers and the simulator (a test compares it with them), and shafts whose load is
 
     Q_p = beta (K_Q0 rho D^5 n|n| + a_Q rho D^4 |n| V_A),
 
@@ -25,10 +26,15 @@ from marine_model.guards import FloatArray
 from marine_model.ventilation.dynamic import limited_rise
 from marine_model.ventilation.static import loss_factors
 from marine_model.ventilation.table import TORQUE_RISE_RATE
-from thruster_drivers import DriverInputs, Drivers, DriverSettings
+from thruster_drivers import DriverSettings
+from thruster_drivers.ventilation import VentilationMonitor
+from thruster_drivers.ventilation.detection import detect
+from thruster_drivers.ventilation.tables import FLAG, STATE
 
 EVENT_LENGTH = 0.5  # s; shorter ones are not asked for
 SAMPLES = 2  # of the control system, within which an event is to be found
+# a_Q / K_Q0: tangent at J = 0 of the Wageningen B4-70 at P/D = 1. A vessel file with bollard propellers has none.
+TORQUE_SLOPE = -0.56
 _SUBSTEPS = 4  # of Runge-Kutta's method a step: error below 1e-6 Hz at the fastest shaft of CyberShip III
 
 
@@ -110,46 +116,85 @@ class Record:
     ventilating: NDArray[np.bool_]
 
 
+# Columns of the table of thrusters.
+_LOAD, _SLOPE, _INERTIA, _DIAMETER, _PITCH, _THRUST_FACTOR, _TORQUE_MAX, _RATE, _SPEED = range(9)
+_LOSS, _BETA, _TORQUE, _REFERENCE, _INTEGRAL = range(9, 14)
+_COLUMNS = 14
+
+
 @compiled
-def _advance(
-    speed: FloatArray,
-    held: FloatArray,
-    beta: FloatArray,
-    torque: FloatArray,
-    load: FloatArray,
-    slope: FloatArray,
-    inertia: FloatArray,
-    diameter: FloatArray,
-    pitch_ratio: FloatArray,
+def _motor(row: FloatArray, demanded: float, measured: float, bandwidth: float, integral_time: float, dt: float) -> None:
+    """Thrust reference and shaft-speed PI of one thruster, as in ``thruster_drivers``; leaves its torque."""
+    move = row[_RATE] * dt
+    row[_REFERENCE] += max(-move, min(move, demanded - row[_REFERENCE]))
+    desired = math.copysign(math.sqrt(abs(row[_REFERENCE]) / row[_THRUST_FACTOR]), row[_REFERENCE])
+    gain = row[_INERTIA] * bandwidth
+    increment = gain / integral_time * (desired - measured) * dt
+    torque = row[_LOAD] * desired * abs(desired) + gain * (desired - measured) + row[_INTEGRAL] + increment
+    limit = row[_TORQUE_MAX]
+    row[_TORQUE] = max(-limit, min(limit, torque))
+    if abs(torque) <= limit or increment * torque < 0.0:  # at the limit the integral only moves back from it
+        row[_INTEGRAL] += increment
+
+
+@compiled
+def _turn(row: FloatArray, submergence: float, advance_speed: float, losses: FloatArray, dt: float) -> None:
+    """Advance one shaft by ``dt``; no ``losses``, no ventilation."""
+    factor, n = 1.0, row[_SPEED]
+    if losses.size:
+        area, _, wetted = loss_factors(losses, n, row[_DIAMETER], row[_PITCH], submergence)
+        row[_LOSS] = limited_rise(wetted, row[_LOSS], losses[TORQUE_RISE_RATE], dt)
+        factor = area * row[_LOSS]
+    c, a, q, inertia = factor * row[_LOAD], factor * row[_SLOPE] * advance_speed, row[_TORQUE], row[_INERTIA]
+    h = dt / _SUBSTEPS
+    for _ in range(_SUBSTEPS):
+        k1 = (q - c * n * abs(n) - a * abs(n)) / inertia
+        m = n + 0.5 * h * k1
+        k2 = (q - c * m * abs(m) - a * abs(m)) / inertia
+        m = n + 0.5 * h * k2
+        k3 = (q - c * m * abs(m) - a * abs(m)) / inertia
+        m = n + h * k3
+        k4 = (q - c * m * abs(m) - a * abs(m)) / inertia
+        n += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    row[_SPEED] = n
+    # Near rest there is no nominal torque to compare with.
+    row[_BETA] = factor + (a / (row[_LOAD] * n) if abs(n) > 1e-3 else 0.0)
+
+
+@compiled
+def _sail(
+    thrusters: FloatArray,
+    thrust: FloatArray,
     submergence: FloatArray,
     advance_speed: FloatArray,
-    row: FloatArray,
-    ventilated: bool,
+    noise: FloatArray,
+    losses: FloatArray,
+    parameters: FloatArray,
+    state: FloatArray,
+    bandwidth: float,
+    integral_time: float,
     dt: float,
-    substeps: int,
-) -> None:
-    """Advance all shafts by ``dt``; ``speed``, ``held`` (beta_Qw) and ``beta`` are changed."""
-    h = dt / substeps
-    for j in range(speed.size):
-        factor = 1.0
-        n = speed[j]
-        if ventilated:
-            area, _, wetted = loss_factors(row, n, diameter[j], pitch_ratio[j], submergence[j])
-            held[j] = limited_rise(wetted, held[j], row[TORQUE_RISE_RATE], dt)
-            factor = area * held[j]
-        c, a, q = factor * load[j], factor * slope[j] * advance_speed[j], torque[j]
-        for _ in range(substeps):
-            k1 = (q - c * n * abs(n) - a * abs(n)) / inertia[j]
-            m = n + 0.5 * h * k1
-            k2 = (q - c * m * abs(m) - a * abs(m)) / inertia[j]
-            m = n + 0.5 * h * k2
-            k3 = (q - c * m * abs(m) - a * abs(m)) / inertia[j]
-            m = n + h * k3
-            k4 = (q - c * m * abs(m) - a * abs(m)) / inertia[j]
-            n += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-        speed[j] = n
-        # Near rest there is no nominal torque to compare with.
-        beta[j] = factor + (a / load[j] / n if abs(n) > 1e-3 else 0.0)
+    sample_time: float,
+    method: int,
+    column: int,
+    on: float,
+    off: float,
+) -> FloatArray:
+    """Return shaft speed, true beta_Q, estimate and flag, shape (4, steps, n)."""
+    steps, n = thrust.shape
+    record = np.empty((4, steps, n))
+    load = thrusters[:, _LOAD].copy()
+    for k in range(steps):
+        measured = thrusters[:, _SPEED] + noise[k]
+        torque = thrusters[:, _TORQUE].copy()
+        detect(parameters, state, load, measured, torque, dt, sample_time, method, on, off)
+        for j in range(n):
+            row = thrusters[j]
+            record[0, k, j], record[1, k, j] = row[_SPEED], row[_BETA]
+            record[2, k, j], record[3, k, j] = state[j, column], state[j, FLAG]
+            _motor(row, thrust[k, j], measured[j], bandwidth, integral_time, dt)
+            _turn(row, submergence[k, j], advance_speed[k, j], losses, dt)
+    return record
 
 
 def sail(
@@ -160,7 +205,7 @@ def sail(
     torque_slope: float = 0.0,
     pitch_ratio: float = 1.0,
 ) -> Record:
-    """Let the drivers of ``vessel`` go through ``trial``.
+    """Let the detection of ``vessel`` go through ``trial``.
 
     Parameters
     ----------
@@ -169,13 +214,13 @@ def sail(
     trial
         Commands and surroundings.
     settings
-        Of the drivers.
+        Of the drivers; of these, ``ventilation``.
     seed
         Of the sensor noise.
     torque_slope
         a_Q / K_Q0 of [Ruth] (3.7): relative change of K_Q with the advance number, at most 0.
     pitch_ratio
-        P/D of all propellers.
+        P/D of all propellers, for the ventilation.
 
     Raises
     ------
@@ -186,46 +231,48 @@ def sail(
         raise InputError(f"ventilation: expected this section in vessel '{vessel.name}', found none")
     if any(t.shaft.friction_static or t.shaft.friction_viscous for t in vessel.thrusters):
         raise InputError(f"thrusters.shaft: expected no friction, found some in vessel '{vessel.name}'")
-    steps, n = trial.thrust.shape
-    dt = vessel.simulation.time_step
-    drivers = Drivers(vessel, settings)
-    diameter = np.array([t.propeller.diameter for t in vessel.thrusters])
-    load = np.ascontiguousarray(vessel.propellers.torque_per_speed_squared)
-    slope = torque_slope * load / diameter  # a_Q rho D^4
-    inertia = np.array([2.0 * math.pi * t.shaft.inertia for t in vessel.thrusters])
-    torque_max = np.array([t.shaft.torque_max for t in vessel.thrusters])
-    pitch = np.full(n, pitch_ratio)
-    row = np.zeros(1) if vessel.ventilation is None else vessel.ventilation.row().copy()
-    submergence = np.zeros((steps, n)) if trial.submergence is None else trial.submergence
-    noise = np.random.default_rng(seed).standard_normal((steps, n)) * vessel.measurement.shaft_speed_noise
-    azimuth = vessel.fixed_direction.copy()
-    speed, held, beta, torque = np.zeros(n), np.ones(n), np.ones(n), np.zeros(n)
-    record = Record(*(np.empty((steps, n)) for _ in range(3)), np.empty((steps, n), dtype=np.bool_))
-    for k in range(steps):
-        record.shaft_speed[k] = speed
-        record.beta_q[k] = beta
-        output = drivers.step(DriverInputs(trial.thrust[k], azimuth, 0.0, speed + noise[k], torque, azimuth), dt)
-        record.estimate[k] = output.beta_q
-        record.ventilating[k] = output.ventilating
-        torque = output.torque.clip(-torque_max, torque_max)
-        _advance(
-            speed,
-            held,
-            beta,
-            torque,
-            load,
-            slope,
-            inertia,
-            diameter,
-            pitch,
-            submergence[k],
-            trial.advance_speed[k],
-            row,
-            trial.submergence is not None,
-            dt,
-            _SUBSTEPS,
-        )
-    return record
+    ventilation = (settings or DriverSettings()).ventilation
+    monitor = VentilationMonitor(vessel, ventilation)
+    on, off, _, _ = ventilation.resolved(vessel)
+    n, gains = len(vessel.thrusters), vessel.drivers.shaft_speed
+    thrusters = np.zeros((n, _COLUMNS))
+    thrusters[:, _LOAD] = vessel.propellers.torque_per_speed_squared
+    thrusters[:, _DIAMETER] = [t.propeller.diameter for t in vessel.thrusters]
+    thrusters[:, _SLOPE] = torque_slope * thrusters[:, _LOAD] / thrusters[:, _DIAMETER]  # a_Q rho D^4
+    thrusters[:, _INERTIA] = [2.0 * math.pi * t.shaft.inertia for t in vessel.thrusters]
+    thrusters[:, _PITCH] = pitch_ratio
+    thrusters[:, _THRUST_FACTOR] = vessel.propellers.thrust_per_speed_squared
+    thrusters[:, _TORQUE_MAX] = [t.shaft.torque_max for t in vessel.thrusters]
+    thrusters[:, _RATE] = vessel.thrust_rate
+    thrusters[:, _LOSS] = thrusters[:, _BETA] = 1.0
+    state = np.zeros((n, STATE))
+    row = None if vessel.ventilation is None or trial.submergence is None else vessel.ventilation.row()
+    found = _sail(
+        thrusters,
+        np.array(trial.thrust.clip(vessel.thrust_min, vessel.thrust_max)),
+        np.zeros(trial.thrust.shape) if trial.submergence is None else np.array(trial.submergence),
+        np.array(trial.advance_speed),
+        sensor_noise(vessel, len(trial.thrust), seed),
+        np.zeros(0) if row is None else np.array(row),
+        monitor.parameters,
+        state,
+        gains.bandwidth,
+        gains.integral_time,
+        vessel.simulation.time_step,
+        vessel.measurement.sample_time,
+        monitor.method,
+        monitor.beta_column,
+        on,
+        off,
+    )
+    return Record(found[0], found[1], found[2], found[3] != 0.0)
+
+
+def sensor_noise(vessel: Vessel, steps: int, seed: int) -> FloatArray:
+    """Return the noise of the shaft speeds, Hz, shape (steps, n); none in the first row, where the shafts are at rest."""
+    normal = np.random.default_rng(seed).standard_normal((steps, len(vessel.thrusters)))
+    normal[0] = 0.0
+    return np.asarray(normal * vessel.measurement.shaft_speed_noise)
 
 
 def tabulate(vessel: Vessel, record: Record, settings: DriverSettings | None = None) -> DetectionTable:
@@ -236,18 +283,14 @@ def tabulate(vessel: Vessel, record: Record, settings: DriverSettings | None = N
     InputError
         If the vessel has no section ``drivers.ventilation``.
     """
-    gains = vessel.drivers.ventilation
-    if gains is None:
-        raise InputError(f"drivers.ventilation: expected this section in vessel '{vessel.name}', found none")
     ventilation = (settings or DriverSettings()).ventilation
-    on, off = ventilation.on or gains.on, ventilation.off or gains.off
-    excluded = ventilation.excluded or (False,) * len(vessel.thrusters)
+    on, off, speed_min, excluded = ventilation.resolved(vessel)
     dt, sample = vessel.simulation.time_step, vessel.measurement.sample_time
     allowed = SAMPLES * sample
     back = round(allowed / dt)
     # A thruster that cannot reach n_min is not watched.
     fastest = vessel.propellers.shaft_speed(np.maximum(vessel.thrust_max, -vessel.thrust_min))
-    watched = [j for j, least in enumerate(gains.speed_min) if fastest[j] > least and not excluded[j]]
+    watched = [j for j, least in enumerate(speed_min) if fastest[j] > least and not excluded[j]]
     delays: list[float] = []
     speeds: list[float] = []
     depths: list[float] = []
@@ -255,7 +298,7 @@ def tabulate(vessel: Vessel, record: Record, settings: DriverSettings | None = N
     flags = early = false_alarms = 0
     for j in watched:
         beta, size, flag = record.beta_q[:, j], np.abs(record.shaft_speed[:, j]), record.ventilating[:, j]
-        for start, end in _runs((beta < on) & (size > gains.speed_min[j])):
+        for start, end in _runs((beta < on) & (size > speed_min[j])):
             if (end - start) * dt <= EVENT_LENGTH + 1e-9:
                 continue
             up = np.flatnonzero(flag[start:end])
@@ -402,7 +445,7 @@ def campaign(
     method: str,
     duration: float = 3600.0,
     seed: int = 0,
-    torque_slope: float = 0.0,
+    torque_slope: float = TORQUE_SLOPE,
     pitch_ratio: float = 1.0,
 ) -> tuple[DetectionTable, DetectionTable]:
     """Return the tables of ``duration`` (s) of ventilation and of as much moderate sea without it, for one method.

@@ -48,8 +48,11 @@ class DriversNode(RingNode[DriverSettings]):
         return DriverSettings.for_vessel(vessel)
 
     def check(self, settings: DriverSettings) -> None:
-        """Refuse a law that a thruster cannot follow."""
+        """Refuse what does not fit the vessel, such as a law that a thruster cannot follow."""
         settings.controllers(self.vessel)
+        settings.antispin.check(self.vessel)
+        if self.vessel.drivers.ventilation is not None:
+            settings.ventilation.resolved(self.vessel)
 
     def build(self) -> None:
         """Make core, publisher and subscriptions."""

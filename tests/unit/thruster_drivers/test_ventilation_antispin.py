@@ -81,7 +81,7 @@ def test_what_is_refused_and_what_is_let_through() -> None:
     with pytest.raises(ValueError, match="antispin.enabled must be false while ventilation.enabled is"):
         DriverSettings(antispin=ON, ventilation=VentilationSettings(enabled=False))
     bare = VESSEL.model_copy(update={"drivers": VESSEL.drivers.model_copy(update={"ventilation": None})})
-    with pytest.raises(InputError, match="antispin.enabled: expected false, because the vessel file has no section"):
+    with pytest.raises(InputError, match="antispin.enabled: expected false, because vessel 'cybership3' has no section"):
         Drivers(bare, DriverSettings(antispin=ON))
 
 

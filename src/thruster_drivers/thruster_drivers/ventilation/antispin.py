@@ -42,12 +42,16 @@ class AntiSpin:
             math.sqrt(max(t.thrust.max, -t.thrust.min) / factor)
             for t, factor in zip(vessel.thrusters, factors, strict=True)
         ]
+        self._speed_max = [math.inf if t.shaft.speed_max is None else t.shaft.speed_max for t in vessel.thrusters]
         self.apply(settings if settings is not None else AntiSpinSettings())
 
     def apply(self, settings: AntiSpinSettings) -> None:
         """Swap the settings as a whole; shares go on from where they are."""
         self._settings = settings
-        self._limit = [settings.speed_limit * speed for speed in self._full_speed]
+        ratio = settings.speed_limit
+        self._limit = [
+            min(ratio * speed, most) for speed, most in zip(self._full_speed, self._speed_max, strict=True)
+        ]
 
     @property
     def active(self) -> bool:

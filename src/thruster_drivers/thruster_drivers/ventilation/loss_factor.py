@@ -25,3 +25,22 @@ def allowed_noise(on: float, off: float, interval: float, dt: float) -> float:
         s between values.
     """
     return (off - on) / math.sqrt(2.0 * math.log(interval / dt))
+
+
+def least_speed(on: float, torque_slope: float, advance_speed: float, diameter: float) -> float:
+    """Return the n_min (Hz) above which the advance speed alone does not take beta_Q below ``on``.
+
+    From K_Q = K_Q0 + a_Q V_A / (n D), [Ruth] (3.7): n = |a_Q / K_Q0| V_A / ((1 - on) D).
+
+    Parameters
+    ----------
+    on
+        Threshold of (5.14).
+    torque_slope
+        a_Q / K_Q0.
+    advance_speed
+        Largest V_A, m/s.
+    diameter
+        D, m.
+    """
+    return abs(torque_slope) * advance_speed / ((1.0 - on) * diameter)

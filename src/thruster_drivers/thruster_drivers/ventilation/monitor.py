@@ -70,6 +70,7 @@ class VentilationMonitor:
         gains = vessel.drivers.ventilation
         if gains is None:
             raise InputError(f"drivers.ventilation: expected this section in vessel '{vessel.name}', found none")
+        self._vessel = vessel
         self._gains = gains
         self._n = len(vessel.thrusters)
         self._noise = vessel.measurement.shaft_speed_noise
@@ -93,22 +94,27 @@ class VentilationMonitor:
         """Table of parameters, columns of :mod:`thruster_drivers.ventilation.tables`. A copy."""
         return self._parameters.copy()
 
+    @property
+    def method(self) -> int:
+        """``TORQUE_RATE`` or ``SHAFT_DECELERATION``."""
+        return self._method
+
+    @property
+    def beta_column(self) -> int:
+        """Column of the state that holds beta_Q of the method in force."""
+        return self._beta_column
+
     def apply(self, settings: VentilationSettings) -> None:
         """Swap the settings as a whole; they hold from the next step on, observers and flags go on.
 
         Raises
         ------
         InputError
-            If ``excluded`` has not one element a thruster, or ``on`` is not below ``off`` once the vessel's numbers
-            are filled in. Nothing has changed then.
+            As :meth:`VentilationSettings.resolved` does. Nothing has changed then.
         """
-        on, off = settings.on or self._gains.on, settings.off or self._gains.off
-        if on >= off:
-            raise InputError(f"ventilation.on: expected a number below ventilation.off = {off}, found {on}")
-        excluded = settings.excluded or (False,) * self._n
-        if len(excluded) != self._n:
-            raise InputError(f"ventilation.excluded: expected {self._n} elements, one a thruster, found {len(excluded)}")
+        on, off, speed_min, excluded = settings.resolved(self._vessel)
         self._on, self._off = on, off
+        self._parameters[:, tables.SPEED_MIN] = speed_min
         self._parameters[:, tables.EXCLUDED] = excluded
         interval = self._gains.false_alarm_interval
         self._parameters[:, tables.NOISE] = self._noise / allowed_noise(on, off, interval, self._time_step)
@@ -173,12 +179,11 @@ def _parameters(vessel: Vessel, gains: VentilationGains) -> FloatArray:
     bandwidth = vessel.drivers.shaft_speed.bandwidth
     # Thrust that grows at its largest rate asks for torque at this rate, from T = K_T rho D^4 n^2, Q = K_Q rho D^5 n^2.
     rates = vessel.propellers.torque_per_speed_squared / vessel.propellers.thrust_per_speed_squared * vessel.thrust_rate
-    for row, thruster, speed_min, rate in zip(table, vessel.thrusters, gains.speed_min, rates.tolist(), strict=True):
+    for row, thruster, rate in zip(table, vessel.thrusters, rates.tolist(), strict=True):
         shaft = thruster.shaft
         row[tables.INERTIA] = inertia = 2.0 * math.pi * shaft.inertia
         row[tables.STATIC] = shaft.friction_static
         row[tables.VISCOUS] = shaft.friction_viscous
-        row[tables.SPEED_MIN] = speed_min
         row[tables.TORQUE_RATE_LIMIT] = limit = gains.torque_rate_limit * rate
         # Shaft-speed control turns noise of the shaft speed into a ripple of the motor torque, 2 pi J omega_b sigma.
         window = _DEVIATIONS * inertia * bandwidth * noise / limit

@@ -6,10 +6,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from marine_model.errors import InputError
 from marine_model.settings import Settings, setting
 from marine_model.vessel import Vessel
 
 Switches = Annotated[tuple[bool, ...], Field(strict=False)]
+Speeds = Annotated[tuple[Annotated[float, Field(gt=0.0)], ...], Field(strict=False)]
 
 
 class VentilationSettings(Settings):
@@ -22,6 +24,9 @@ class VentilationSettings(Settings):
     )
     on: float = setting(0.0, "Loss factor beta_Q below which a propeller ventilates; 0 takes the vessel file's", ge=0.0, le=1.0)
     off: float = setting(0.0, "Loss factor beta_Q above which it no longer does; 0 takes the vessel file's", ge=0.0, le=1.0)
+    speed_min: Speeds = setting(
+        (), "Per thruster: shaft speed below which ventilation is never flagged; empty takes the vessel file's", unit="Hz"
+    )
     excluded: Switches = setting((), "Per thruster: true where ventilation is never flagged; empty excludes none")
 
     @model_validator(mode="after")
@@ -36,7 +41,28 @@ class VentilationSettings(Settings):
         gains = vessel.drivers.ventilation
         if gains is None:
             return cls()
-        return cls(on=gains.on, off=gains.off, excluded=(False,) * len(vessel.thrusters))
+        return cls(on=gains.on, off=gains.off, speed_min=gains.speed_min, excluded=(False,) * len(vessel.thrusters))
+
+    def resolved(self, vessel: Vessel) -> tuple[float, float, tuple[float, ...], tuple[bool, ...]]:
+        """Return ``on``, ``off``, ``speed_min`` and ``excluded`` with the numbers of ``vessel`` filled in.
+
+        Raises
+        ------
+        InputError
+            If ``speed_min`` or ``excluded`` has not one element a thruster, ``on`` is not below ``off``, or the vessel has no section
+            ``drivers.ventilation``.
+        """
+        gains, n = vessel.drivers.ventilation, len(vessel.thrusters)
+        if gains is None:
+            raise InputError(f"drivers.ventilation: expected this section in vessel '{vessel.name}', found none")
+        on, off = self.on or gains.on, self.off or gains.off
+        if on >= off:
+            raise InputError(f"ventilation.on: expected a number below ventilation.off = {off}, found {on}")
+        speed_min, excluded = self.speed_min or gains.speed_min, self.excluded or (False,) * n
+        for name, found in (("speed_min", len(speed_min)), ("excluded", len(excluded))):
+            if found != n:
+                raise InputError(f"ventilation.{name}: expected {n} elements, one a thruster, found {found}")
+        return on, off, speed_min, excluded
 
 
 class AntiSpinSettings(Settings):
@@ -49,3 +75,11 @@ class AntiSpinSettings(Settings):
     speed_limit: float = setting(
         1.2, "Shaft speed that no motor goes beyond, over that of the largest thrust at zero advance speed", ge=1.0, le=5.0
     )
+
+    def check(self, vessel: Vessel) -> None:
+        """Raise InputError if ``vessel`` has no torque observer that anti-spin needs."""
+        if self.enabled and vessel.drivers.ventilation is None:
+            raise InputError(
+                f"antispin.enabled: expected false, because vessel '{vessel.name}' has no section drivers.ventilation, "
+                "found true"
+            )
