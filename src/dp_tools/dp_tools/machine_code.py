@@ -14,6 +14,7 @@ from multiprocessing import get_context
 
 import numpy as np
 
+from dp_tools.detection_campaign import sail, ventilation_trial
 from marine_model import load_vessel
 from thrust_allocator.allocator import Allocator
 from thrust_allocator.attainable import largest_ball, scale_to_boundary
@@ -21,6 +22,7 @@ from thrust_allocator.attainable.force_set import force_set
 from thrust_allocator.settings import AllocatorSettings, PowerSettings, SectorSettings
 from thrust_allocator.singularity import gain_map, minimum_gain, scaled_configuration
 from thrust_allocator.singularity.settings import SingularitySettings
+from thruster_drivers.ventilation import VentilationMonitor
 
 _VESSEL = "cybership3"
 _TAU = (3.0, 1.0, 0.5)
@@ -62,10 +64,17 @@ def _singularity() -> None:
     gain_map(vessel, (2, 3), (angles, angles), vessel.fixed_direction)
 
 
+def _detection() -> None:
+    vessel = load_vessel(_VESSEL)
+    VentilationMonitor(vessel)
+    sail(vessel, ventilation_trial(vessel, vessel.simulation.time_step, 0))
+
+
 PARTS: dict[str, Callable[[], None]] = {
     "allocation": _allocation,
     "monitoring": _monitoring,
     "singularity": _singularity,
+    "detection": _detection,
 }
 
 

@@ -70,13 +70,14 @@ class DriverOutput:
         n_d, Hz: what a law controls the shaft to, or the speed at which a law of torque or power expects to meet the
         thrust reference.
     thrust_reference
-        The thrust being realised, N: the command, reached within the vessel's thrust rate; less while anti-spin reduces it.
+        The thrust being realised, N: the command, reached within the vessel's thrust rate; less while anti-spin
+        reduces it.
     status
         ``nominal``, or the name of the safe state in force: ``no_command`` (none has come yet), ``command_stale``,
         ``sensor_lost`` (a thruster runs open loop).
     ventilating, beta_q, beta_q2
-        Ventilation flag, torque loss factor and its memory, see :class:`~thruster_drivers.ventilation.VentilationState`;
-        False, 1 and 1 where nothing is detected.
+        Ventilation flag, torque loss factor and its memory, see
+        :class:`~thruster_drivers.ventilation.VentilationState`; False, 1 and 1 where nothing is detected.
     """
 
     torque: FloatArray
@@ -164,9 +165,7 @@ class Drivers:
             (name, settings.advance_speed if needs_pitch(name) else 0.0) for name in settings.controllers(self._vessel)
         ]
         changed = [j for j, law in enumerate(laws) if not self._laws or law != self._laws[j]]
-        made = {
-            j: make_controller(laws[j][0], self._models[j], tuning_of(self._gains, j, laws[j][1])) for j in changed
-        }
+        made = {j: make_controller(laws[j][0], self._models[j], tuning_of(self._gains, j, laws[j][1])) for j in changed}
         self._apply_ventilation(settings)  # the last that may refuse
         self._antispin.apply(settings.antispin)
         self._controllers = [made.get(j) or self._controllers[j] for j in range(self._n)]

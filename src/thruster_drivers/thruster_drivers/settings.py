@@ -73,7 +73,9 @@ class DriverSettings(Settings):
     @model_validator(mode="after")
     def _antispin_needs_the_observer(self) -> Self:
         if self.antispin.enabled and not self.ventilation.enabled:
-            raise ValueError("antispin.enabled must be false while ventilation.enabled is, because it needs its observer")
+            raise ValueError(
+                "antispin.enabled must be false while ventilation.enabled is, because it needs its observer"
+            )
         return self
 
     @classmethod

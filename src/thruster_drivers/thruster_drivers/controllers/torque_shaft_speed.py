@@ -10,9 +10,9 @@ from marine_model.errors import InputError
 from marine_model.propellers.base import PropellerModel
 from marine_model.propellers.optimal import optimal_maps, pitch_of_torque_coefficient
 from marine_model.thruster import PitchDrive
+from thruster_drivers.controllers.base import ControlOutput
 from thruster_drivers.controllers.controllable_pitch import controllable_pitch
 from thruster_drivers.controllers.torque_control import FeedforwardController
-from thruster_drivers.controllers.base import ControlOutput
 from thruster_drivers.controllers.tuning import Tuning
 from thruster_drivers.shaft_model import ShaftModel
 

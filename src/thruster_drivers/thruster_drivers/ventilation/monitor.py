@@ -87,7 +87,9 @@ class VentilationMonitor:
         self.events: NDArray[np.int64] = np.zeros(self._n, dtype=np.int64)
         """Shape (n,): how often each flag has gone up."""
         self.apply(settings if settings is not None else VentilationSettings())
-        self._detect(self._state[:0], np.zeros(0), np.zeros(0), np.zeros(0), self._time_step)  # machine code now, not later
+        self._detect(
+            self._state[:0], np.zeros(0), np.zeros(0), np.zeros(0), self._time_step
+        )  # machine code now, not later
 
     @property
     def parameters(self) -> FloatArray:
@@ -160,7 +162,9 @@ class VentilationMonitor:
         if lost.any():
             observed[lost] = math.nan
             propeller[lost] = 0.0
-        return VentilationState(ventilating, beta, self._memory.step(ventilating, beta, elapsed), propeller, observed, lost)
+        return VentilationState(
+            ventilating, beta, self._memory.step(ventilating, beta, elapsed), propeller, observed, lost
+        )
 
     def _detect(self, state: FloatArray, load: FloatArray, speed: FloatArray, torque: FloatArray, dt: float) -> None:
         parameters, sample_time = self._parameters, self._sample_time
