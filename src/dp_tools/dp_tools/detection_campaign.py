@@ -386,7 +386,7 @@ def moderate_sea_trial(vessel: Vessel, duration: float, seed: int, depth: float 
     The sea of [Ruth] 3.7, H_s = 2 m and T_p = 5.9 s with gamma = 3.3 at full scale, in the middle of what the WMO calls
     moderate (1.25 m to 2.5 m), brought to the vessel's scale. Advance speed: the current of 3.7, 1 m/s, and the orbital
     velocity at ``depth``, either way of the propeller. Thrust: a quarter of a minute each of a mean and a sine of 3 s
-    to 20 s; every fourth is a row of steps between full ahead, full astern and nothing, as fast as the drivers let them.
+    to 20 s; every fourth is a row of steps between full ahead, full astern and nothing, as fast as the drivers go.
 
     Parameters
     ----------

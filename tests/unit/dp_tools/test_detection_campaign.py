@@ -122,7 +122,7 @@ def test_reversals_and_rapid_changes_are_never_flagged(method: str) -> None:
 
 
 def test_the_table_counts_what_a_record_shows() -> None:
-    """A record by hand: an event found at once, one found late, one missed, a short one, a false alarm, an early one."""
+    """By hand: an event found at once, one found late, one missed, a short one, a false alarm, an early one."""
     steps = 1000
     beta, speed = np.ones((steps, 4)), np.full((steps, 4), 10.0)
     flag = np.zeros((steps, 4), dtype=np.bool_)
