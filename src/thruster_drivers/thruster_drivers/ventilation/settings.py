@@ -56,8 +56,8 @@ class VentilationSettings(Settings):
         Raises
         ------
         InputError
-            If ``speed_min`` or ``excluded`` has not one element a thruster, ``on`` is not below ``off``, or the vessel has
-            no section ``drivers.ventilation``.
+            If ``speed_min`` or ``excluded`` has not one element a thruster, ``on`` is not below ``off``, or the vessel
+            has no section ``drivers.ventilation``.
         """
         gains, n = vessel.drivers.ventilation, len(vessel.thrusters)
         if gains is None:
