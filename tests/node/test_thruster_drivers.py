@@ -14,7 +14,7 @@ import pytest
 import rclpy
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
-from dp_msgs.msg import ActuatorSetpoint, ThrusterCommand, ThrusterFeedback
+from dp_msgs.msg import ActuatorSetpoint, ThrusterCommand, ThrusterFeedback, Ventilation
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -333,3 +333,39 @@ def test_deactivation_leaves_the_motors_without_torque(bench: Bench) -> None:
     answer = bench.answer(lambda: bench.measure(STEP))
     assert answer.command_stale
     assert to_nanoseconds(answer.command_stamp) == 0
+
+
+def test_ventilation_follows_every_feedback_with_its_stamp(bench: Bench) -> None:
+    heard: list[Ventilation] = []
+    bench.peer.create_subscription(Ventilation, "ventilation", heard.append, RING)
+    bench.until(lambda: bench.node.count_subscribers("ventilation") == 1)
+    speed, core = [0.0, 0.0, 20.0, -20.0], Drivers(VESSEL)
+    load = VESSEL.propellers.torque(np.array(speed))
+    bench.answer(lambda: bench.command(START))
+    for k in range(30):
+        torque = load if k < 10 else 0.2 * load
+        message = ThrusterFeedback(name=NAMES, shaft_speed=speed, torque=torque.tolist(), azimuth=AZIMUTH)
+        message.power = message.azimuth_rate = REST
+        message.header.stamp = from_nanoseconds(START + k * STEP)
+        bench.answer(partial(bench.feedback.publish, message))
+        inputs = replace(core_inputs(k * 0.02, speed), torque=torque)
+        expected = core.step(inputs, 0.02)
+        bench.until(lambda: len(heard) == k + 1)  # noqa: B023 - called before k changes
+        found = heard[-1]
+        assert to_nanoseconds(found.header.stamp) == START + k * STEP
+        assert list(found.name) == NAMES
+        assert list(found.ventilating) == expected.ventilating.tolist()
+        assert list(found.beta_q) == pytest.approx(expected.beta_q.tolist(), rel=1e-9)  # dt's rounding
+        assert list(found.beta_q2) == pytest.approx(expected.beta_q2.tolist(), rel=1e-9)
+    assert list(heard[-1].ventilating) == [False, False, True, True]
+    values = bench.health()[2]
+    assert [values[f"ventilation_events.{name}"] for name in NAMES] == ["0", "0", "1", "1"]
+
+    refused = bench.node.set_parameters([Parameter("ventilation.on", value=0.9)])[0]
+    assert not refused.successful
+    assert "on must be below off" in refused.reason
+    assert bench.node.set_parameters([Parameter("ventilation.enabled", value=False)])[0].successful
+    bench.answer(lambda: bench.measure(START + 30 * STEP, speed))
+    bench.answer(lambda: bench.measure(START + 31 * STEP, speed))
+    assert len(heard) == 30
+    assert "ventilation_events.azimuth_port" not in bench.health()[2]

@@ -1,13 +1,13 @@
 """How well the drivers find ventilation: simulated events, and a sea without any.
 
-The drivers' own detection runs, compiled with everything around it: thrust reference, shaft-speed law and sensor noise as
-in the drivers and the simulator (a test compares it with them), and shafts whose load is
+The drivers' own detection runs, compiled with everything around it: thrust reference and shaft-speed law as in the
+drivers (a test compares them), the vessel's sensor noise, and shafts whose load is
 
     Q_p = beta (K_Q0 rho D^5 n|n| + a_Q rho D^4 |n| V_A),
 
-[Ruth] (3.7) times the loss factor of the ventilation model; the hull is left out. Truth is beta_Q = Q_p / (K_Q0 rho D^5 n|n|),
-with what the advance speed takes. An event is a time longer than half a second in which it is below the threshold
-`on` while |n| > n_min.
+[Ruth] (3.7) times the loss factor of the ventilation model; the hull is left out. Truth is
+beta_Q = Q_p / (K_Q0 rho D^5 n|n|), with what the advance speed takes. An event is a time longer than half a second in
+which it is below the threshold `on` while |n| > n_min.
 """
 
 from __future__ import annotations
@@ -271,7 +271,7 @@ def sail(
 
 
 def sensor_noise(vessel: Vessel, steps: int, seed: int) -> FloatArray:
-    """Return the noise of the shaft speeds, Hz, shape (steps, n); none in the first row, where the shafts are at rest."""
+    """Return the noise of the shaft speeds, Hz, shape (steps, n); none in the first row: shafts at rest are known."""
     normal = np.random.default_rng(seed).standard_normal((steps, len(vessel.thrusters)))
     normal[0] = 0.0
     return np.asarray(normal * vessel.measurement.shaft_speed_noise)
@@ -342,8 +342,8 @@ def _runs(truth: NDArray[np.bool_]) -> list[tuple[int, int]]:
 def ventilation_trial(vessel: Vessel, duration: float, seed: int) -> Trial:
     """Return thrust and submergence that vary from one quarter of a minute to the next.
 
-    Thrust either way between that of 1.2 n_min and the largest; mean h/R from 0 to 2, its amplitude up to 1.5, its period
-    from 0.8 s, that of the waves of [Ruth] Appendix C, to 10 s, that of (2.58). No advance speed.
+    Thrust either way between that of 1.2 n_min and the largest; mean h/R from 0 to 2, its amplitude up to 1.5, its
+    period from 0.8 s, that of the waves of [Ruth] Appendix C, to 10 s, that of (2.58). No advance speed.
 
     Parameters
     ----------
@@ -385,8 +385,8 @@ def moderate_sea_trial(vessel: Vessel, duration: float, seed: int, depth: float 
 
     The sea of [Ruth] 3.7, H_s = 2 m and T_p = 5.9 s with gamma = 3.3 at full scale, in the middle of what the WMO calls
     moderate (1.25 m to 2.5 m), brought to the vessel's scale. Advance speed: the current of 3.7, 1 m/s, and the orbital
-    velocity at ``depth``, either way of the propeller. Thrust: a quarter of a minute each of a mean and a sine of 3 s to 20 s,
-    of which every fourth is a row of steps between full ahead, full astern and nothing, as fast as the drivers let them.
+    velocity at ``depth``, either way of the propeller. Thrust: a quarter of a minute each of a mean and a sine of 3 s
+    to 20 s; every fourth is a row of steps between full ahead, full astern and nothing, as fast as the drivers go.
 
     Parameters
     ----------
@@ -402,7 +402,7 @@ def moderate_sea_trial(vessel: Vessel, duration: float, seed: int, depth: float 
     random = np.random.default_rng(seed)
     n, dt, scale = len(vessel.thrusters), vessel.simulation.time_step, vessel.scale
     steps = round(duration / dt)
-    time = np.arange(steps) * dt
+    time: FloatArray = np.arange(steps, dtype=np.float64) * dt
     height, period, current = 2.0 / scale, 5.9 / math.sqrt(scale), 1.0 / math.sqrt(scale)
     advance = current + _orbital_velocity(height, period, depth, time, random)
     advance_speed = advance[:, None] * np.where(random.random(n) < 0.5, 1.0, -1.0)[None, :]

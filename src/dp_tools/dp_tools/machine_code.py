@@ -23,6 +23,7 @@ from thrust_allocator.attainable.force_set import force_set
 from thrust_allocator.settings import AllocatorSettings, PowerSettings, SectorSettings
 from thrust_allocator.singularity import gain_map, minimum_gain, scaled_configuration
 from thrust_allocator.singularity.settings import SingularitySettings
+from thruster_drivers.ventilation import VentilationMonitor
 from vessel_sim import Simulator, SimulatorInputs, WaveSettings
 from vessel_sim.inflow import Inflow
 from vessel_sim.propulsion import PropulsionPlant
@@ -98,12 +99,18 @@ def _simulation() -> None:
     PropulsionPlant(vessel).step(still, still, None, still, still, vessel.simulation.time_step)
 
 
+def _detection() -> None:
+    vessel = load_vessel(_VESSEL)
+    VentilationMonitor(vessel)
+
+
 PARTS: dict[str, Callable[[], None]] = {
     "allocation": _allocation,
     "monitoring": _monitoring,
     "singularity": _singularity,
     "propellers": _propellers,
     "simulation": _simulation,
+    "detection": _detection,
 }
 
 

@@ -165,7 +165,7 @@ class VentilationGains(Section):
 
     on: Annotated[float, Field(gt=0.0, lt=1.0)]  # beta_Q below which it ventilates
     off: Annotated[float, Field(gt=0.0, lt=1.0)]  # beta_Q above which it no longer does
-    speed_min: Annotated[tuple[Positive, ...], Field(strict=False)]  # Hz, n_min of each thruster
+    speed_min: PositiveByThruster  # Hz, n_min
     # Share of the torque rate that the thrust rate asks for, K_Q D / K_T dT/dt: what rises faster is not flagged
     torque_rate_limit: Positive
     deceleration_limit: Positive  # Hz/s: what slows down faster is not flagged
@@ -201,6 +201,7 @@ class DriverGains(Section):
             ("torque_shaft_speed", "gain"): self.torque_shaft_speed.gain,
             ("torque_shaft_speed", "integral_time"): self.torque_shaft_speed.integral_time,
             ("torque_shaft_speed", "filter_time"): self.torque_shaft_speed.filter_time,
+            ("ventilation", "speed_min"): None if self.ventilation is None else self.ventilation.speed_min,
         }
         return {field: values for field, values in rows.items() if values is not None}
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector, positive_number
+from marine_model.propellers.kernel import thrust_torque
 from marine_model.propellers.optimal import optimal_maps
 from marine_model.thruster import AzimuthThruster
 from marine_model.vessel import Vessel
@@ -69,13 +70,14 @@ class DriverOutput:
         n_d, Hz: what a law controls the shaft to, or the speed at which a law of torque or power expects to meet the
         thrust reference.
     thrust_reference
-        The thrust being realised, N: the command, reached within the vessel's thrust rate; less while anti-spin reduces it.
+        The thrust being realised, N: the command, reached within the vessel's thrust rate; less while anti-spin
+        reduces it.
     status
         ``nominal``, or the name of the safe state in force: ``no_command`` (none has come yet), ``command_stale``,
         ``sensor_lost`` (a thruster runs open loop).
     ventilating, beta_q, beta_q2
-        Ventilation flag, torque loss factor and its memory, see :class:`~thruster_drivers.ventilation.VentilationState`;
-        False, 1 and 1 where nothing is detected.
+        Ventilation flag, torque loss factor and its memory, see
+        :class:`~thruster_drivers.ventilation.VentilationState`; False, 1 and 1 where nothing is detected.
     """
 
     torque: FloatArray
@@ -129,6 +131,9 @@ class Drivers:
                 # Now, and not while measurements wait for the first step of a law that looks them up.
                 optimal_maps(model.propeller, (model.pitch.min, model.pitch.max))
         self._own_pitch: list[float] = vessel.pitch_ratio.tolist()
+        self._design_load: FloatArray = np.array(vessel.propellers.torque_per_speed_squared)
+        self._propeller_table: FloatArray = np.array(vessel.propeller_table)
+        self._diameter = [thruster.propeller.diameter for thruster in vessel.thrusters]
         self._has_pitch = [model.pitch is not None for model in self._models]
         self._any_pitch = any(self._has_pitch)
         self._controllers: list[ThrusterController] = []
@@ -155,13 +160,13 @@ class Drivers:
         InputError
             If they do not fit the vessel; nothing has changed then.
         """
+        settings.antispin.check(self._vessel)
         laws = [
             (name, settings.advance_speed if needs_pitch(name) else 0.0) for name in settings.controllers(self._vessel)
         ]
         changed = [j for j, law in enumerate(laws) if not self._laws or law != self._laws[j]]
         made = {j: make_controller(laws[j][0], self._models[j], tuning_of(self._gains, j, laws[j][1])) for j in changed}
-        settings.antispin.check(self._vessel)
-        self._apply_ventilation(settings)
+        self._apply_ventilation(settings)  # the last that may refuse
         self._antispin.apply(settings.antispin)
         self._controllers = [made.get(j) or self._controllers[j] for j in range(self._n)]
         self._laws = laws
@@ -210,7 +215,9 @@ class Drivers:
         if self._any_pitch and inputs.pitch_ratio is not None:
             pitch = _measured("pitch_ratio", inputs.pitch_ratio, n)
         # Last of what may refuse its input: it moves on.
-        seen = None if self._monitor is None else self._monitor.step(inputs.shaft_speed, inputs.torque, dt)
+        seen = None
+        if self._monitor is not None:
+            seen = self._monitor.step(inputs.shaft_speed, inputs.torque, dt, self._nominal_load(pitch))
         antispin = self._antispin if self._antispin.active else None
 
         reference = self._thrust_reference
@@ -264,6 +271,24 @@ class Drivers:
             self._no_loss if seen is None else seen.beta_q,
             self._no_loss if seen is None else seen.beta_q2,
         )
+
+    @staticmethod
+    def _reduced(antispin: AntiSpin, j: int, thrust: float, seen: VentilationState | None, dt: float) -> float:
+        """Return what anti-spin leaves of ``thrust`` (N); after a switch-off of the detection it comes back."""
+        if seen is None:
+            return antispin.thrust(j, thrust, False, 1.0, dt)
+        return antispin.thrust(j, thrust, bool(seen.ventilating[j]), float(seen.beta_q[j]), dt)
+
+    def _nominal_load(self, pitch: list[float]) -> FloatArray | None:
+        """Return K_Q0(P/D) rho D^5, N m/Hz^2, of every thruster at its pitch now; None where every pitch is fixed."""
+        if not self._any_pitch:
+            return None
+        load = self._design_load.copy()
+        for j, model in enumerate(self._models):
+            if self._has_pitch[j] and math.isfinite(pitch[j]):
+                row, diameter = self._propeller_table[j], self._diameter[j]
+                load[j] = thrust_torque(row, diameter, model.density, 1.0, 0.0, pitch[j])[1]  # at 1 Hz
+        return load
 
     def _take_over(self, reference: list[float], shaft_speed: list[float], pitch: list[float]) -> None:
         """Let the laws that are new begin where the last step ended."""

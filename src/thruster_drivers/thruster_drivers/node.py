@@ -48,7 +48,7 @@ class DriversNode(RingNode[DriverSettings]):
         return DriverSettings.for_vessel(vessel)
 
     def check(self, settings: DriverSettings) -> None:
-        """Refuse what does not fit the vessel."""
+        """Refuse what does not fit the vessel, such as a law that a thruster cannot follow."""
         settings.controllers(self.vessel)
         settings.antispin.check(self.vessel)
         if self.vessel.drivers.ventilation is not None:

@@ -23,7 +23,6 @@ from marine_model.errors import InputError
 from thruster_drivers import DriverInputs, Drivers, DriverSettings
 from thruster_drivers.ventilation import VentilationSettings
 from thruster_drivers.ventilation.loss_factor import least_speed
-from vessel_sim.shaft import shafts
 
 VESSEL = load_vessel("cybership3")
 DT = VESSEL.simulation.time_step
@@ -50,7 +49,7 @@ def test_every_event_is_found_within_two_samples() -> None:
 
 
 def test_the_slow_form_finds_nearly_all() -> None:
-    """(B.41)-(B.44) at 5 Hz: measured 98.3 % in time over 3 x 2 h; what is late is slow or begins in a rapid reduction."""
+    """(B.41)-(B.44) at 5 Hz: 98.7 % in time over 20 h; what is late is slow or begins in a rapid reduction."""
     record = sail(VESSEL, ventilation_trial(VESSEL, 1200.0, seed=11), settings("shaft_deceleration"), seed=11)
     table = tabulate(VESSEL, record, settings("shaft_deceleration"))
     assert table.events > 200
@@ -83,12 +82,14 @@ def test_no_false_alarm_in_an_hour_of_moderate_sea(method: str) -> None:
     assert not sail(VESSEL, trial, settings(method), 3, 0.5 * TORQUE_SLOPE).ventilating.any()
 
 
-def test_the_compiled_bench_is_the_drivers_and_the_simulators_shaft() -> None:
-    """No ventilation and no advance speed: Drivers and Shaft themselves, step by step."""
+def test_the_compiled_bench_does_what_the_drivers_do() -> None:
+    """No ventilation and no advance speed: Drivers themselves, and shafts in forty small steps."""
     trial = moderate_sea_trial(VESSEL, 30.0, seed=4)
     still = Trial(trial.thrust, None, np.zeros_like(trial.advance_speed))
     record = sail(VESSEL, still, seed=4)
-    drivers, bench = Drivers(VESSEL), shafts(VESSEL)
+    drivers = Drivers(VESSEL)
+    load = VESSEL.propellers.torque_per_speed_squared
+    inertia = 2.0 * math.pi * np.array([t.shaft.inertia for t in VESSEL.thrusters])
     noise = sensor_noise(VESSEL, len(still.thrust), 4)
     speed, torque, azimuth = np.zeros(4), np.zeros(4), VESSEL.fixed_direction
     limit = np.array([t.shaft.torque_max for t in VESSEL.thrusters])
@@ -98,8 +99,10 @@ def test_the_compiled_bench_is_the_drivers_and_the_simulators_shaft() -> None:
         output = drivers.step(DriverInputs(command, azimuth, 0.0, speed + noise[k], torque, azimuth), DT)
         worst_beta = max(worst_beta, float(np.abs(output.beta_q - record.estimate[k]).max()))
         torque = output.torque.clip(-limit, limit)
-        speed = np.array([shaft.advance(n, q, DT) for shaft, n, q in zip(bench, speed, torque, strict=True)])
-    # The bench's shafts are integrated, the simulator's are solved; where one reverses, with the third order only.
+        for _ in range(40):
+            middle = speed + DT / 80.0 * (torque - load * speed * np.abs(speed)) / inertia
+            speed = speed + DT / 40.0 * (torque - load * middle * np.abs(middle)) / inertia
+    # The midpoint rule's error: (0.5 ms over a time constant of 0.02 s)^2 of a speed of 40 Hz, each time it changes.
     assert worst_speed < 1e-3
     assert worst_beta < 1e-3
 
@@ -119,7 +122,7 @@ def test_reversals_and_rapid_changes_are_never_flagged(method: str) -> None:
 
 
 def test_the_table_counts_what_a_record_shows() -> None:
-    """A record by hand: an event found at once, one found late, one missed, a short one, a false alarm, an early flag."""
+    """By hand: an event found at once, one found late, one missed, a short one, a false alarm, an early one."""
     steps = 1000
     beta, speed = np.ones((steps, 4)), np.full((steps, 4), 10.0)
     flag = np.zeros((steps, 4), dtype=np.bool_)
@@ -138,11 +141,11 @@ def test_the_table_counts_what_a_record_shows() -> None:
 
 
 def test_what_is_refused() -> None:
-    with pytest.raises(InputError, match="method: expected torque_rate or shaft_deceleration, found 'guess'"):
+    with pytest.raises(InputError, match=r"method: expected torque_rate or shaft_deceleration, found 'guess'"):
         campaign(VESSEL, "guess", 1.0)
     dry = VESSEL.model_copy(update={"ventilation": None})
-    with pytest.raises(InputError, match="ventilation: expected this section in vessel 'cybership3', found none"):
+    with pytest.raises(InputError, match=r"ventilation: expected this section in vessel 'cybership3', found none"):
         sail(dry, ventilation_trial(VESSEL, 1.0, 0))
     bare = VESSEL.model_copy(update={"drivers": VESSEL.drivers.model_copy(update={"ventilation": None})})
-    with pytest.raises(InputError, match="drivers.ventilation: expected this section"):
+    with pytest.raises(InputError, match=r"drivers.ventilation: expected this section"):
         ventilation_trial(bare, 1.0, 0)

@@ -74,14 +74,16 @@ def test_the_torque_leads_the_shaft_to_its_limit_and_no_further(sign: float) -> 
 
 def test_what_is_refused_and_what_is_let_through() -> None:
     antispin = AntiSpin(VESSEL, ON)
-    with pytest.raises(InputError, match="beta_q: expected a finite number, found nan"):
+    with pytest.raises(InputError, match=r"beta_q: expected a finite number, found nan"):
         antispin.thrust(AFT, 1.0, True, math.nan, DT)
     assert antispin.torque(AFT, 0.1, 0.0, math.nan) == 0.1  # nothing can be limited without a shaft speed
     assert AntiSpin(VESSEL).torque(AFT, 0.1, 0.0, 1e3) == 0.1  # off
-    with pytest.raises(ValueError, match="antispin.enabled must be false while ventilation.enabled is"):
+    with pytest.raises(ValueError, match=r"antispin.enabled must be false while ventilation.enabled is"):
         DriverSettings(antispin=ON, ventilation=VentilationSettings(enabled=False))
     bare = VESSEL.model_copy(update={"drivers": VESSEL.drivers.model_copy(update={"ventilation": None})})
-    with pytest.raises(InputError, match="antispin.enabled: expected false, because vessel 'cybership3' has no section"):
+    with pytest.raises(
+        InputError, match=r"antispin.enabled: expected false, because vessel 'cybership3' has no section"
+    ):
         Drivers(bare, DriverSettings(antispin=ON))
 
 

@@ -77,7 +77,7 @@ def test_an_excluded_thruster_is_never_flagged_but_observed(method: str) -> None
 @pytest.mark.parametrize(("pace", "expected"), [(1.5, False), (0.5, True)])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_while_the_motor_torque_rises_fast_nothing_is_flagged(pace: float, expected: bool, sign: float) -> None:
-    """(5.14): a torque that rises at ``pace`` times the limit, and a propeller that loses three quarters of its load."""
+    """(5.14): a torque that rises at ``pace`` times the limit, and a propeller that loses most of its load."""
     watch = monitor()
     limit = float(watch.parameters[2, tables.TORQUE_RATE_LIMIT])
     torque, speed = sign * LOAD * 100.0, np.full(4, sign * 10.0)
@@ -167,7 +167,11 @@ def test_the_pitch_now_sets_the_nominal_torque() -> None:
 
 
 def test_thresholds_are_the_vessels_until_others_are_given() -> None:
-    for changes, beta, expected in (({}, 0.55, False), ({"on": 0.6}, 0.55, True), ({"on": 0.2, "off": 0.9}, 0.3, False)):
+    for changes, beta, expected in (
+        ({}, 0.55, False),
+        ({"on": 0.6}, 0.55, True),
+        ({"on": 0.2, "off": 0.9}, 0.3, False),
+    ):
         watch = monitor(**changes)
         feed(watch, FAST, 1.0, SAMPLE)
         assert feed(watch, FAST, beta, 3 * SAMPLE)[-1][2] is expected
@@ -179,14 +183,16 @@ def test_what_is_refused() -> None:
         watch.apply(VentilationSettings(on=0.85))
     with pytest.raises(InputError, match=r"ventilation.excluded: expected 4 elements, one a thruster, found 1"):
         watch.apply(VentilationSettings(excluded=(True,)))
-    with pytest.raises(ValueError, match="on must be below off, found 0.9 and 0.8"):
+    with pytest.raises(ValueError, match=r"on must be below off, found 0.9 and 0.8"):
         VentilationSettings(on=0.9, off=0.8)
     with pytest.raises(InputError, match=r"shaft_speed: expected shape \(4,\), found \(3,\)"):
         watch.step(np.zeros(3), np.zeros(4), DT)
     with pytest.raises(InputError, match=r"torque: expected shape \(4,\), found \(1,\)"):
         watch.step(np.zeros(4), np.zeros(1), DT)
-    with pytest.raises(InputError, match="dt: expected a number above 0, found 0.0"):
+    with pytest.raises(InputError, match=r"dt: expected a number above 0, found 0.0"):
         watch.step(np.zeros(4), np.zeros(4), 0.0)
     drivers = VESSEL.drivers.model_copy(update={"ventilation": None})
-    with pytest.raises(InputError, match="drivers.ventilation: expected this section in vessel 'cybership3', found none"):
+    with pytest.raises(
+        InputError, match=r"drivers.ventilation: expected this section in vessel 'cybership3', found none"
+    ):
         VentilationMonitor(VESSEL.model_copy(update={"drivers": drivers}))

@@ -13,9 +13,9 @@ class AntiSpin:
     """Acts on either side of a control law: on the thrust it is asked for and on the torque it gives.
 
     Thrust. While a thruster ventilates its share of the demanded thrust goes to beta_Q. Under the torque law
-    K_Q rho D^5 n^2 = (beta_Q's share of Q_d) / beta_Q keeps the shaft at the speed of the demand; under the power law,
-    P ~ T^(3/2), at beta_Q^(1/6) of it; under the shaft-speed law at sqrt(beta_Q) of it, and less speed draws less air. The
-    share moves at limited rates, so that nothing jumps.
+    that keeps the shaft at the speed of the demand, K_Q rho D^5 n_d^2 = beta_Q Q_d / beta_Q; under the power law,
+    P ~ T^(3/2), at beta_Q^(1/6) of it; under the shaft-speed law at sqrt(beta_Q) of it, and less speed draws less air.
+    The share moves at limited rates, so that nothing jumps.
 
     Speed. From 2 pi J dn/dt = Q_m - Q_f - Q_p, with the propeller torque observed, the motor torque
 
@@ -42,12 +42,14 @@ class AntiSpin:
             math.sqrt(max(t.thrust.max, -t.thrust.min) / factor)
             for t, factor in zip(vessel.thrusters, factors, strict=True)
         ]
+        self._speed_max = [math.inf if t.shaft.speed_max is None else t.shaft.speed_max for t in vessel.thrusters]
         self.apply(settings if settings is not None else AntiSpinSettings())
 
     def apply(self, settings: AntiSpinSettings) -> None:
         """Swap the settings as a whole; shares go on from where they are."""
         self._settings = settings
-        self._limit = [settings.speed_limit * speed for speed in self._full_speed]
+        ratio = settings.speed_limit
+        self._limit = [min(ratio * speed, most) for speed, most in zip(self._full_speed, self._speed_max, strict=True)]
 
     @property
     def active(self) -> bool:

@@ -120,7 +120,8 @@ def detect(
             start = abs(memory[SPEED]) > row[SPEED_MIN] and math.copysign(1.0, q) * rate < row[TORQUE_RATE_LIMIT]
         else:
             beta = memory[BETA_SAMPLED]
-            start = sampled and abs(n) > row[SPEED_MIN]
+            # At both ends of the last sample: the balance is a mean over it.
+            start = sampled and min(abs(n), abs(memory[RING + 2])) > row[SPEED_MIN]
             start = start and math.copysign(1.0, n) * memory[RATE] > -row[DECELERATION_LIMIT]
         if row[EXCLUDED] != 0.0 or beta > off:
             memory[FLAG] = 0.0

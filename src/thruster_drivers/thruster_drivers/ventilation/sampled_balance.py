@@ -5,9 +5,10 @@ which (B.43) lets pass, an aft thruster of CyberShip III would show beta_Q = 0.3
 
     beta_Q = (integral(Q_m - Q_f) dt - 2 pi J (n(t_1) - n(t_0))) / integral(Q_nom) dt
 
-holds exactly, however torque and speed moved in between; at steady speed it is (B.39)-(B.40). Noise sigma in either shaft
-speed puts sqrt(2) 2 pi J sigma over the nominal impulse into beta_Q. The window is the shortest whole number of samples
-whose nominal impulse keeps that below what is allowed. Where four samples are not enough, near n = 0, beta_Q is 1.
+holds exactly, however torque and speed moved in between; at steady speed it is (B.39)-(B.40). Noise sigma in either
+shaft speed puts sqrt(2) 2 pi J sigma over the nominal impulse into beta_Q. The window is the shortest whole number of
+samples whose nominal impulse keeps that below what is allowed. Where four samples are not enough, near n = 0,
+beta_Q is 1.
 """
 
 from __future__ import annotations

@@ -47,7 +47,8 @@ class VentilationSettings(Settings):
         gains = vessel.drivers.ventilation
         if gains is None:
             return cls()
-        return cls(on=gains.on, off=gains.off, speed_min=gains.speed_min, excluded=(False,) * len(vessel.thrusters))
+        n = len(vessel.thrusters)
+        return cls(on=gains.on, off=gains.off, speed_min=_each(gains.speed_min, n), excluded=(False,) * n)
 
     def resolved(self, vessel: Vessel) -> tuple[float, float, tuple[float, ...], tuple[bool, ...]]:
         """Return ``on``, ``off``, ``speed_min`` and ``excluded`` with the numbers of ``vessel`` filled in.
@@ -55,8 +56,8 @@ class VentilationSettings(Settings):
         Raises
         ------
         InputError
-            If ``speed_min`` or ``excluded`` has not one element a thruster, ``on`` is not below ``off``, or the vessel has no section
-            ``drivers.ventilation``.
+            If ``speed_min`` or ``excluded`` has not one element a thruster, ``on`` is not below ``off``, or the vessel
+            has no section ``drivers.ventilation``.
         """
         gains, n = vessel.drivers.ventilation, len(vessel.thrusters)
         if gains is None:
@@ -64,7 +65,7 @@ class VentilationSettings(Settings):
         on, off = self.on or gains.on, self.off or gains.off
         if on >= off:
             raise InputError(f"ventilation.on: expected a number below ventilation.off = {off}, found {on}")
-        speed_min, excluded = self.speed_min or gains.speed_min, self.excluded or (False,) * n
+        speed_min, excluded = self.speed_min or _each(gains.speed_min, n), self.excluded or (False,) * n
         for name, found in (("speed_min", len(speed_min)), ("excluded", len(excluded))):
             if found != n:
                 raise InputError(f"ventilation.{name}: expected {n} elements, one a thruster, found {found}")
@@ -72,7 +73,7 @@ class VentilationSettings(Settings):
 
 
 class AntiSpinSettings(Settings):
-    """Low-level anti-spin, [Ruth] 3.4.3. Off by default: the thesis' ship runs shaft-speed control, which cannot race."""
+    """Low-level anti-spin, [Ruth] 3.4.3. Off by default: shaft-speed control, the thesis' own, does not race."""
 
     enabled: bool = setting(
         False, "Reduce thrust while a propeller ventilates and keep every shaft below its speed limit"
@@ -96,3 +97,8 @@ class AntiSpinSettings(Settings):
                 f"antispin.enabled: expected false, because vessel '{vessel.name}' has no section drivers.ventilation, "
                 "found true"
             )
+
+
+def _each(values: tuple[float, ...], n: int) -> tuple[float, ...]:
+    """Return ``n`` numbers of a vessel file that gives one for all, or one for each."""
+    return values * n if len(values) == 1 else values

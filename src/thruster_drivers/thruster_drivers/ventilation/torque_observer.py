@@ -12,8 +12,8 @@ One step of dt, with Q_m held over it as motors hold it:
     beta^ = beta^ - gamma 2 pi J / (dt Q_nom(n-)) (n - n-)
 
 alpha and gamma are the steady Kalman gains of a shaft whose loss is a random walk. With the tracking index Lambda, the
-step of the walk in Hz over the noise of the measurement, and w = (2 - alpha) / alpha, the Riccati equation of two states
-has the solution
+step of the walk in Hz over the noise of the measurement, and w = (2 - alpha) / alpha, the Riccati equation of two
+states has the solution
 
     gamma = alpha^2 / (2 - alpha) = 2 / (w (1 + w)),       Lambda = gamma / sqrt(1 - alpha),
 
@@ -22,9 +22,12 @@ of the shaft speed gives beta^ a standard deviation s for
 
     w^3 - w / 2 = 1 / x^2,        x = s |Q_nom| dt / (2 pi J sigma),
 
-from the variance of such a filter, (sigma / dt)^2 2 gamma^2 / (alpha (4 - 2 alpha - gamma)) = (sigma / dt)^2 2 / (w (2 w^2 - 1)).
-The cubic has one real root. So the observer is at every shaft speed the fastest that keeps the noise in beta^ at s; where
-even the last difference of two measurements is quiet enough (x^2 >= 2) alpha = gamma = 1.
+from the variance of the slope that such a filter gives,
+
+    (sigma / dt)^2 2 gamma^2 / (alpha (4 - 2 alpha - gamma)) = (sigma / dt)^2 2 / (w (2 w^2 - 1)).
+
+The cubic has one real root. So the observer is at every shaft speed the fastest that keeps the noise in beta^ at s;
+where even the last difference of two measurements is quiet enough (x^2 >= 2) alpha = gamma = 1.
 """
 
 from __future__ import annotations
@@ -50,13 +53,13 @@ def filter_index(signal: float) -> float:
     if square >= 2.0:
         return 1.0
     half = 0.5 / square  # infinite at 0, as numpy divides
-    root = (half + math.sqrt(half * half - 1.0 / 216.0)) ** (1.0 / 3.0)
+    root: float = (half + math.sqrt(half * half - 1.0 / 216.0)) ** (1.0 / 3.0)
     return root + 1.0 / (6.0 * root)
 
 
 @compiled
 def friction(parameters: FloatArray, speed: float, torque: float) -> float:
-    """Return Q_f (N m) at ``speed`` (Hz); at rest what holds the shaft against ``torque``, up to the Coulomb friction."""
+    """Return Q_f (N m) at ``speed`` (Hz); at rest what holds it against ``torque``, up to Coulomb friction."""
     static = parameters[STATIC]
     if speed > 0.0:
         return float(static + parameters[VISCOUS] * speed)
