@@ -7,17 +7,17 @@ ratio it fixes the advance number, and so everything else that has no dimension.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import elementwise, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from marine_model.propellers.base import PropellerModel
-from marine_model.propellers.optimal import optimal_pitch
+from marine_model.propellers.optimal import advance_number, optimal_pitch
+from marine_model.root import rising_root
 
 _SEARCH_POINTS = 65  # pitch ratios; between the best one and its neighbours the search is continuous
 
@@ -127,59 +127,21 @@ def last_advance_number(model: PropellerModel, pitch_ratio: ArrayLike | None = N
     end = np.array(np.broadcast_to(end, pitch.shape))
     falls = np.asarray(model.coefficients(end, pitch)[0] < 0.0)
     if np.any(falls):
-        end[falls] = _root(
-            lambda J, p: model.coefficients(J, p)[0], np.zeros(int(falls.sum())), end[falls], pitch[falls]
-        )
+        ratio = pitch[falls]
+        end[falls] = rising_root(lambda J: -model.coefficients(J, ratio)[0], np.zeros(ratio.shape), end[falls])
     return end
 
 
-def advance_number_at(model: PropellerModel, loading: ArrayLike, pitch_ratio: ArrayLike | None = None) -> FloatArray:
-    """Return the advance number at tau: J^2 = tau^2 K_T(J, P/D).
+def largest_loading(model: PropellerModel, pitch_ratio: ArrayLike | None = None) -> FloatArray:
+    """Return the tau at which the data of a model end; infinite where thrust falls to zero within them.
 
-    Parameters
-    ----------
-    model
-        The propeller. Its thrust coefficient must fall with J, as it does in open water.
-    loading
-        tau, at least 0, any shape.
-    pitch_ratio
-        P/D, broadcast with ``loading``; None for the design pitch ratio.
-
-    Returns
-    -------
-    FloatArray
-        J; NaN where the model ends before that tau.
-
-    Raises
-    ------
-    InputError
-        If tau is negative or not finite, or the model has no thrust at rest.
+    Arguments and errors as in :func:`last_advance_number`.
     """
-    tau, pitch = np.broadcast_arrays(_not_negative("loading", loading), _pitch(model, pitch_ratio))
-    end = last_advance_number(model, pitch)
-    # tau is infinite where thrust ends, so that this changes sign between 0 and the end.
-    reached = _excess(model, end, tau, pitch) >= 0.0
-    found = np.full(tau.shape, np.nan)
-    if np.any(reached):
-        found[reached] = _root(
-            lambda J, t, p: _excess(model, J, t, p),
-            np.zeros(int(reached.sum())),
-            end[reached],
-            tau[reached],
-            pitch[reached],
-        )
-    return found
-
-
-def efficiency_at(model: PropellerModel, loading: ArrayLike, pitch_ratio: ArrayLike | None = None) -> FloatArray:
-    """Return eta_0 at tau and P/D; arguments and errors as in :func:`advance_number_at`."""
-    J = advance_number_at(model, loading, pitch_ratio)
-    pitch = np.broadcast_to(_pitch(model, pitch_ratio), J.shape)
-    found = np.full(J.shape, np.nan)
-    known = np.isfinite(J)
-    K_T, K_Q = model.coefficients(J[known], pitch[known])
-    found[known] = efficiency(J[known], K_T, K_Q)
-    return found
+    pitch = _pitch(model, pitch_ratio)
+    J = last_advance_number(model, pitch)
+    K_T = np.asarray(model.coefficients(J, pitch)[0])
+    # What rounding leaves of a thrust that ends.
+    return np.where(K_T > 1e-9, loading_from_coefficients(J, np.maximum(K_T, 0.0)), np.inf)
 
 
 @dataclass(frozen=True)
@@ -291,21 +253,9 @@ def select(
         D = np.minimum(D, largest)
         tau = np.where(narrow, loading(D, V, T, density), tau)
         pitch = np.where(narrow, optimal_pitch(model, np.where(narrow, tau, best.loading)), pitch)
-    J = advance_number_at(model, tau, pitch)
+    J = advance_number(model, tau, pitch)
     eta = efficiency(J, *model.coefficients(J, pitch))
     return Selection(D, tau, pitch, J, eta, V / (J * D), V * T / eta)
-
-
-def _excess(model: PropellerModel, J: FloatArray, tau: FloatArray, pitch: FloatArray) -> FloatArray:
-    return np.asarray(J**2 - tau**2 * model.coefficients(J, pitch)[0])
-
-
-def _root(
-    function: Callable[..., FloatArray], low: FloatArray, high: FloatArray, *arguments: FloatArray
-) -> FloatArray:
-    """Return the root of ``function`` between ``low`` and ``high``, element by element."""
-    found = elementwise.find_root(function, (low, high), args=arguments)
-    return np.asarray(found.x, dtype=np.float64)
 
 
 def _pitch(model: PropellerModel, pitch_ratio: ArrayLike | None) -> FloatArray:

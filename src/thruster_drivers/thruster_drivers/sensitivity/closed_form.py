@@ -18,12 +18,11 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import elementwise
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
-from marine_model.propellers.loading import last_advance_number
 from marine_model.propellers.base import PropellerModel
+from marine_model.root import rising_root
 from thruster_drivers.sensitivity.sensitivity import NominalCoefficients, Sensitivity, nominal_coefficients
 
 Law = Callable[[FloatArray], Sensitivity]
@@ -184,18 +183,13 @@ def pitch_for_torque(model: PropellerModel, advance_number: ArrayLike, torque_co
     if model.pitch_range is None:
         raise InputError("propeller: expected one of controllable pitch, found a fixed pitch")
     J = np.asarray(advance_number, dtype=np.float64)
-    low, high = (np.full(J.shape, end) for end in model.pitch_range)
-    below = model.coefficients(J, low)[1] <= torque_coefficient
-    above = model.coefficients(J, high)[1] >= torque_coefficient
-    found = np.full(J.shape, np.nan)
-    inside = below & above
-    if np.any(inside):
-        found[inside] = elementwise.find_root(
-            lambda ratio, j: model.coefficients(j, ratio)[1] - torque_coefficient,
-            (low[inside], high[inside]),
-            args=(J[inside],),
-        ).x
-    return found
+    low, high = model.pitch_range
+
+    def excess(ratio: ArrayLike) -> FloatArray:
+        return np.asarray(model.coefficients(J, ratio)[1] - torque_coefficient)
+
+    ratio = rising_root(excess, np.full(J.shape, low), np.full(J.shape, high))
+    return np.where((excess(low) <= 0.0) & (excess(high) >= 0.0), ratio, np.nan)
 
 
 def at_desired_loading(law: Law, desired_loading: ArrayLike, last_advance_number: float) -> Sensitivity:
@@ -225,13 +219,8 @@ def at_desired_loading(law: Law, desired_loading: ArrayLike, last_advance_number
     if not np.isfinite(last):
         raise InputError(f"last_advance_number: expected an equilibrium there, found none at J = {last_advance_number}")
     known = (tau_d >= 0.0) & (tau_d <= last)
-    J = np.full(tau_d.shape, np.nan)
-    if np.any(known):
-        low, high = np.zeros(int(known.sum())), np.full(int(known.sum()), last_advance_number)
-        J[known] = elementwise.find_root(
-            lambda j, t: law(j).desired_loading - t, (low, high), args=(tau_d[known],)
-        ).x
-    found = law(np.where(known, J, 0.0))
+    wanted = np.where(known, tau_d, 0.0)
+    found = law(rising_root(lambda J: law(J).desired_loading - wanted, np.zeros(tau_d.shape), last_advance_number))
     return Sensitivity(
         *(
             np.where(known, value, np.nan)
