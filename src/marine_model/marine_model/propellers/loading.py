@@ -16,8 +16,9 @@ from scipy.optimize import minimize_scalar
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from marine_model.propellers.base import PropellerModel
+from marine_model.propellers.conversion import efficiency
 from marine_model.propellers.optimal import advance_number, optimal_pitch
-from marine_model.root import rising_root
+from marine_model.propellers.zero_thrust import last_advance_number
 
 _SEARCH_POINTS = 65  # pitch ratios; between the best one and its neighbours the search is continuous
 
@@ -66,12 +67,6 @@ def power_loading(advance_number: ArrayLike, torque_coefficient: ArrayLike) -> F
         return np.asarray(33.07 * np.sqrt(K_Q) / J**2.5)
 
 
-def efficiency(advance_number: ArrayLike, thrust_coefficient: ArrayLike, torque_coefficient: ArrayLike) -> FloatArray:
-    """Return eta_0 = J K_T / (2 pi K_Q), which is [Ruth] (2.23)."""
-    J, K_T = np.asarray(advance_number, dtype=np.float64), np.asarray(thrust_coefficient, dtype=np.float64)
-    return np.asarray(J * K_T / (2.0 * math.pi * _positive("torque_coefficient", torque_coefficient)))
-
-
 def power_coefficient(thrust_coefficient: ArrayLike, torque_coefficient: ArrayLike) -> FloatArray:
     """Return 2 pi K_Q / K_T^(3/2), the power P sqrt(rho) D / T^(3/2) in the manner of [Ruth] (3.11)."""
     K_T = _positive("thrust_coefficient", thrust_coefficient)
@@ -99,37 +94,6 @@ def propeller_demand(
     w = _fraction("wake_fraction", wake_fraction)
     t = _fraction("thrust_deduction", thrust_deduction)
     return V * (1.0 - w), R / (1.0 - t)
-
-
-def last_advance_number(model: PropellerModel, pitch_ratio: ArrayLike | None = None) -> FloatArray:
-    """Return the advance number at which thrust is zero, or where the model ends if it has thrust up to there.
-
-    Parameters
-    ----------
-    model
-        The propeller. Its thrust coefficient must fall with J, as it does in open water.
-    pitch_ratio
-        P/D, any shape; None for the design pitch ratio.
-
-    Raises
-    ------
-    InputError
-        If there is no thrust at J = 0, or the model neither ends nor loses its thrust.
-    """
-    pitch = _pitch(model, pitch_ratio)
-    at_rest = np.asarray(model.coefficients(np.zeros(pitch.shape), pitch)[0])
-    if np.any(at_rest <= 0.0):
-        low = float(pitch[at_rest <= 0.0].max())
-        raise InputError(f"pitch_ratio: expected thrust ahead at J = 0, found none at P/D = {low:g}")
-    end = np.asarray(model.advance_number_end(pitch), dtype=np.float64)
-    if not np.all(np.isfinite(end)):
-        raise InputError("propeller: expected a model that ends at some advance number, found one without an end")
-    end = np.array(np.broadcast_to(end, pitch.shape))
-    falls = np.asarray(model.coefficients(end, pitch)[0] < 0.0)
-    if np.any(falls):
-        ratio = pitch[falls]
-        end[falls] = rising_root(lambda J: -model.coefficients(J, ratio)[0], np.zeros(ratio.shape), end[falls])
-    return end
 
 
 def largest_loading(model: PropellerModel, pitch_ratio: ArrayLike | None = None) -> FloatArray:

@@ -17,7 +17,13 @@ from marine_model.guards import FloatArray, positive_number
 from marine_model.propellers.base import PropellerModel
 from marine_model.propellers.loading import loading_from_coefficients
 from marine_model.propellers.optimal import advance_number, efficiency, optimal_pitch, pitch_of_torque_coefficient
+from marine_model.propellers.zero_thrust import last_advance_number
 from marine_model.root import rising_root
+
+
+Range = tuple[float, float] | None
+
+_PITCHES = 181  # of a table; at most 0.005 apart in P/D
 
 
 @dataclass(frozen=True)
@@ -64,7 +70,7 @@ class Misjudged:
             positive_number(name, getattr(self, name))
 
 
-def best_path(model: PropellerModel, loading: ArrayLike) -> Path:
+def best_path(model: PropellerModel, loading: ArrayLike, pitch_range: Range = None) -> Path:
     """Return the path of the best pitch ratio, which errs nowhere.
 
     Parameters
@@ -73,58 +79,64 @@ def best_path(model: PropellerModel, loading: ArrayLike) -> Path:
         The propeller, of controllable pitch.
     loading
         tau, at least 0.
+    pitch_range
+        Least and largest P/D of the actuator; those of the model when None.
 
     Raises
     ------
     InputError
         If the pitch is fixed or tau is refused.
     """
-    return _path(model, loading, optimal_pitch(model, _loading(model, loading)))
+    return _path(model, loading, optimal_pitch(model, loading, pitch_range), pitch_range)
 
 
-def fixed_pitch(model: PropellerModel, loading: ArrayLike, pitch_ratio: float) -> Path:
+def fixed_pitch(model: PropellerModel, loading: ArrayLike, pitch_ratio: float, pitch_range: Range = None) -> Path:
     """Return the path at one pitch ratio: every controller that does not move the pitch. As :func:`best_path`."""
-    tau = _loading(model, loading)
-    return _path(model, tau, np.full(tau.shape, pitch_ratio))
+    tau = np.asarray(loading, dtype=np.float64)
+    return _path(model, tau, np.full(tau.shape, pitch_ratio), pitch_range)
 
 
-def torque_shaft_speed(model: PropellerModel, loading: ArrayLike, torque_coefficient: float) -> Path:
+def torque_shaft_speed(
+    model: PropellerModel, loading: ArrayLike, torque_coefficient: float, pitch_range: Range = None
+) -> Path:
     """Return the path of torque/shaft-speed control with K_Qc, [Ruth] (3.63).
 
     Where the pitch ratio that has K_Qc is out of range it stays at the nearest limit. Otherwise as :func:`best_path`.
     """
-    tau = _loading(model, loading)
     K_Qc = positive_number("torque_coefficient", torque_coefficient)
+    return _path(model, loading, pitch_of_torque_coefficient(model, loading, K_Qc, pitch_range), pitch_range)
 
-    return _path(model, tau, pitch_of_torque_coefficient(model, tau, K_Qc))
 
-
-def least_error_torque_coefficient(model: PropellerModel, loading: ArrayLike) -> float:
+def least_error_torque_coefficient(model: PropellerModel, loading: ArrayLike, pitch_range: Range = None) -> float:
     """Return the K_Qc whose largest relative loss of efficiency over ``loading`` is least, 0.033 in [Ruth] 3.4.2.
 
-    Between the torque coefficients of the best pitch ratio at the least and at the largest tau. As :func:`best_path`.
+    Found on a table over pitch ratios, to about 1e-5. As :func:`best_path`.
     """
-    tau = _loading(model, loading)
-    ends = np.array([tau.min(), tau.max()])
-    pitch = np.array([optimal_pitch(model, end) for end in ends])
-    K_Q = np.concatenate([best_torque_coefficient(model, tau), model.coefficients(advance_number(model, ends, pitch), pitch)[1]])
+    tau = np.asarray(loading, dtype=np.float64).ravel()
+    pitch = np.linspace(*(pitch_range or _known_range(model)), _PITCHES)
+    K_T, K_Q = model.coefficients(advance_number(model, tau[:, np.newaxis], pitch), pitch)
+    merit = K_T**1.5 / K_Q
+    best = merit.max(axis=1)
+
+    def worst(K_Qc: float) -> float:
+        there = [np.interp(K_Qc, K_Q[i], merit[i]) for i in range(len(tau))]  # held to the limits of pitch
+        return float(np.max(1.0 - np.array(there) / best))
+
     found = minimize_scalar(
-        lambda k: torque_shaft_speed(model, tau, k).relative,
-        bounds=(float(K_Q.min()), float(K_Q.max())),
-        method="bounded",
-        options={"xatol": 1e-5},
+        worst, bounds=(float(K_Q.min()), float(K_Q.max())), method="bounded", options={"xatol": 1e-7}
     )
     return float(found.x)
 
 
-def best_torque_coefficient(model: PropellerModel, loading: ArrayLike) -> FloatArray:
+def best_torque_coefficient(model: PropellerModel, loading: ArrayLike, pitch_range: Range = None) -> FloatArray:
     """Return K_Q of the best pitch ratio at tau, [Ruth] Figure 3.7. As :func:`best_path`."""
-    tau = _loading(model, loading)
-    pitch = optimal_pitch(model, tau)
-    return np.asarray(model.coefficients(advance_number(model, tau, pitch), pitch)[1])
+    pitch = optimal_pitch(model, loading, pitch_range)
+    return np.asarray(model.coefficients(advance_number(model, loading, pitch), pitch)[1])
 
 
-def torque_pitch(model: PropellerModel, loading: ArrayLike, wrong: Misjudged | None = None) -> Path:
+def torque_pitch(
+    model: PropellerModel, loading: ArrayLike, wrong: Misjudged | None = None, pitch_range: Range = None
+) -> Path:
     """Return the path of torque/pitch control that knows the thrust, [Ruth] (3.17)-(3.18), Table 3.2.
 
     Its best pitch is that of a model with wrong coefficients: with K_T wrong by f_T the model sees the tau of
@@ -133,17 +145,19 @@ def torque_pitch(model: PropellerModel, loading: ArrayLike, wrong: Misjudged | N
 
     Parameters
     ----------
-    model, loading
+    model, loading, pitch_range
         As in :func:`best_path`.
     wrong
         What the controller has wrong; the errors of [Ruth] 3.6 when None.
     """
-    tau, wrong = _loading(model, loading), wrong or Misjudged()
+    tau, wrong = np.asarray(loading, dtype=np.float64), wrong or Misjudged()
     believed = wrong.advance_speed * np.sqrt(wrong.thrust_coefficient) * tau
-    return _path(model, tau, optimal_pitch(model, believed))
+    return _path(model, tau, optimal_pitch(model, believed, pitch_range), pitch_range)
 
 
-def torque_pitch_from_demand(model: PropellerModel, desired_loading: ArrayLike, wrong: Misjudged | None = None) -> Path:
+def torque_pitch_from_demand(
+    model: PropellerModel, desired_loading: ArrayLike, wrong: Misjudged | None = None, pitch_range: Range = None
+) -> Path:
     """Return the path of torque/pitch control that takes the thrust for the one it asked for.
 
     tau' = f_V tau_d and Q_c = h'(tau') D T_d with h' = (f_Q / f_T) h. The propeller comes to rest where it takes that
@@ -152,32 +166,32 @@ def torque_pitch_from_demand(model: PropellerModel, desired_loading: ArrayLike, 
 
     Parameters
     ----------
-    model
+    model, pitch_range
         As in :func:`best_path`.
     desired_loading
         tau_d, at least 0. The path has the true tau, and ends where the propeller would lose its thrust.
     wrong
         What the controller has wrong; the errors of [Ruth] 3.6 when None.
     """
-    tau_d, wrong = np.atleast_1d(_loading(model, desired_loading)), wrong or Misjudged()
+    tau_d, wrong = np.atleast_1d(np.asarray(desired_loading, dtype=np.float64)), wrong or Misjudged()
     believed = wrong.advance_speed * np.sqrt(wrong.thrust_coefficient) * tau_d
-    pitch = np.asarray(optimal_pitch(model, believed))
+    pitch = np.asarray(optimal_pitch(model, believed, pitch_range))
     K_T, K_Q = model.coefficients(advance_number(model, believed, pitch), pitch)
     h = wrong.torque_coefficient / wrong.thrust_coefficient * K_Q / K_T
 
     # Where torque is short even at the end of the thrust, there is no equilibrium with thrust.
-    end = np.asarray(model.advance_number_end(pitch))
+    end = last_advance_number(model, pitch)
     inside = end**2 * h > tau_d**2 * model.coefficients(end, pitch)[1]
     tau_d, pitch, h = tau_d[inside], pitch[inside], h[inside]
     J = rising_root(
         lambda j: j**2 * h - tau_d**2 * model.coefficients(j, pitch)[1], np.zeros(tau_d.shape), end[inside]
     )
-    return _path(model, loading_from_coefficients(J, model.coefficients(J, pitch)[0]), pitch)
+    return _path(model, loading_from_coefficients(J, model.coefficients(J, pitch)[0]), pitch, pitch_range)
 
 
-def _path(model: PropellerModel, loading: ArrayLike, pitch_ratio: FloatArray) -> Path:
+def _path(model: PropellerModel, loading: ArrayLike, pitch_ratio: FloatArray, pitch_range: Range) -> Path:
     tau = np.asarray(loading, dtype=np.float64)
-    best = optimal_pitch(model, tau)
+    best = optimal_pitch(model, tau, pitch_range)
     # eta_0 = tau / (2 pi) K_T^(3/2) / K_Q: their ratio at one tau is that of what does not vanish at tau = 0.
     ratio = _merit(model, tau, pitch_ratio) / _merit(model, tau, best)
     return Path(tau, pitch_ratio, efficiency(model, tau, pitch_ratio), efficiency(model, tau, best), 1.0 - ratio)
@@ -188,12 +202,7 @@ def _merit(model: PropellerModel, tau: FloatArray, pitch_ratio: FloatArray) -> F
     return np.asarray(K_T**1.5 / K_Q)
 
 
-def _loading(model: PropellerModel, loading: ArrayLike) -> FloatArray:
-    _range(model)
-    return np.asarray(loading, dtype=np.float64)
-
-
-def _range(model: PropellerModel) -> tuple[float, float]:
+def _known_range(model: PropellerModel) -> tuple[float, float]:
     if model.pitch_range is None:
         raise InputError("propeller: expected one of controllable pitch, found a fixed pitch")
     return model.pitch_range

@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 from marine_model.errors import InputError
 from marine_model.guards import finite_number, positive_number
 from marine_model.propellers.base import PropellerModel
+from marine_model.propellers.zero_thrust import last_advance_number
 from thruster_drivers.sensitivity.sensitivity import NominalCoefficients, Sensitivity, nominal_coefficients
 
 # Relative accuracy of a root: the least that brentq takes, 4 eps.
@@ -170,11 +171,11 @@ class Equilibrium:
         def surplus(n: float) -> float:
             return self._load(operation, n, self._pitch_ratio)[1] - law(n)
 
-        # The slowest speed that the model knows; one above it in bollard pull.
+        # From the speed at which the propeller loses its thrust; in bollard pull from far below what is desired.
         desired = self._desired_speed(operation)
         low = 1e-3 * desired
         if operation.advance_speed > 0.0:
-            end = float(self._model.advance_number_end(self._pitch_ratio))
+            end = float(last_advance_number(self._model, self._pitch_ratio))
             if end == 0.0:
                 raise InputError("advance_speed: expected 0 for a propeller known at zero advance alone")
             low = max(low, operation.advance_speed / (self._model.diameter * end))
