@@ -23,9 +23,7 @@ from marine_model.propellers.zero_thrust import last_advance_number
 _SEARCH_POINTS = 65  # pitch ratios; between the best one and its neighbours the search is continuous
 
 
-def loading(
-    diameter: ArrayLike, advance_speed: ArrayLike, thrust: ArrayLike, density: float
-) -> FloatArray:
+def loading(diameter: ArrayLike, advance_speed: ArrayLike, thrust: ArrayLike, density: float) -> FloatArray:
     """Return tau, [Ruth] (2.26), from diameter (m), advance speed (m/s), thrust (N), density (kg/m^3).
 
     With the desired thrust it is tau_d of (2.31).
@@ -35,7 +33,11 @@ def loading(
     InputError
         If diameter, thrust or density is not above 0, or the advance speed is negative.
     """
-    D, V, T = _positive("diameter", diameter), _not_negative("advance_speed", advance_speed), _positive("thrust", thrust)
+    D, V, T = (
+        _positive("diameter", diameter),
+        _not_negative("advance_speed", advance_speed),
+        _positive("thrust", thrust),
+    )
     _positive("density", density)
     return np.asarray(math.sqrt(density) * D * V / np.sqrt(T))
 
@@ -53,7 +55,9 @@ def desired_loading(loading: ArrayLike, thrust_sensitivity: ArrayLike) -> FloatA
     [Ruth] (2.31) starts with tau_d = sqrt(rho) D V_A / sqrt(T_d). As T_d = T / st, that is tau sqrt(st); the print
     puts st T for T_d and so arrives at tau / sqrt(st).
     """
-    return np.asarray(np.asarray(loading, dtype=np.float64) * np.sqrt(_not_negative("thrust_sensitivity", thrust_sensitivity)))
+    return np.asarray(
+        np.asarray(loading, dtype=np.float64) * np.sqrt(_not_negative("thrust_sensitivity", thrust_sensitivity))
+    )
 
 
 def power_loading(advance_number: ArrayLike, torque_coefficient: ArrayLike) -> FloatArray:
@@ -118,15 +122,22 @@ class BestPoint:
     efficiency: float
 
 
-def best_point(model: PropellerModel) -> BestPoint:
+def best_point(model: PropellerModel, pitch_range: tuple[float, float] | None = None) -> BestPoint:
     """Return the largest efficiency over advance number and pitch ratio, steps 3 and 4 of [Ruth] 2.2.1.
+
+    Parameters
+    ----------
+    model
+        The family of propellers.
+    pitch_range
+        Least and largest P/D to choose from; all that the model knows when None.
 
     Raises
     ------
     InputError
         If efficiency still rises where the model ends, so that there is no best point; or there is no thrust.
     """
-    low, high = model.pitch_range or (model.pitch_ratio, model.pitch_ratio)
+    low, high = pitch_range or model.pitch_range or (model.pitch_ratio, model.pitch_ratio)
 
     def peak(pitch: float) -> tuple[float, float]:
         end = float(last_advance_number(model, pitch))
@@ -213,7 +224,7 @@ def select(
     if largest_diameter is not None:
         D, largest = np.broadcast_arrays(D, _positive("largest_diameter", largest_diameter))
         V, T, tau, pitch = (np.broadcast_to(value, D.shape) for value in (V, T, tau, pitch))
-        narrow = D > largest
+        narrow = largest < D
         D = np.minimum(D, largest)
         tau = np.where(narrow, loading(D, V, T, density), tau)
         pitch = np.where(narrow, optimal_pitch(model, np.where(narrow, tau, best.loading)), pitch)

@@ -36,11 +36,12 @@ def last_advance_number(model: PropellerModel, pitch_ratio: ArrayLike | None = N
     end = np.asarray(model.advance_number_end(pitch), dtype=np.float64)
     if not np.all(np.isfinite(end)):
         end = np.where(np.isfinite(end), end, _beyond(model, pitch))
-    at_end = np.asarray(model.coefficients(end, pitch)[0])
-    if not np.any(at_end < 0.0):
+    # A range that ends with the thrust leaves of it what rounding does.
+    beyond = model.coefficients(end, pitch)[0] < -1e-12 * at_rest
+    if not np.any(beyond):
         return end
     found = rising_root(lambda J: -model.coefficients(J, pitch)[0], np.zeros(end.shape), end)
-    return np.where(at_end < 0.0, found, end)
+    return np.where(beyond, found, end)
 
 
 def _beyond(model: PropellerModel, pitch: FloatArray) -> float:
@@ -49,5 +50,7 @@ def _beyond(model: PropellerModel, pitch: FloatArray) -> float:
     while np.any(model.coefficients(J, pitch)[0] >= 0.0):
         J *= 2.0
         if J > _LARGEST:
-            raise InputError(f"propeller: expected thrust that ends at some advance number, found it at J = {J / 2.0:g}")
+            raise InputError(
+                f"propeller: expected thrust that ends at some advance number, found it at J = {J / 2.0:g}"
+            )
     return J

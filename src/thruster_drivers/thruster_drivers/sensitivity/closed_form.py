@@ -185,11 +185,15 @@ def pitch_for_torque(model: PropellerModel, advance_number: ArrayLike, torque_co
     J = np.asarray(advance_number, dtype=np.float64)
     low, high = model.pitch_range
 
-    def excess(ratio: ArrayLike) -> FloatArray:
-        return np.asarray(model.coefficients(J, ratio)[1] - torque_coefficient)
+    def excess(ratio: FloatArray) -> FloatArray:
+        # Beyond the data of a low pitch ratio: at their end, where K_Q is less still than what is looked for.
+        known = np.minimum(J, model.advance_number_end(ratio))
+        return np.asarray(model.coefficients(known, ratio)[1] - torque_coefficient)
 
-    ratio = rising_root(excess, np.full(J.shape, low), np.full(J.shape, high))
-    return np.where((excess(low) <= 0.0) & (excess(high) >= 0.0), ratio, np.nan)
+    least, most = np.full(J.shape, low), np.full(J.shape, high)
+    ratio = rising_root(excess, least, most)
+    inside = (excess(least) <= 0.0) & (excess(most) >= 0.0) & (model.advance_number_end(ratio) >= J)
+    return np.where(inside, ratio, np.nan)
 
 
 def at_desired_loading(law: Law, desired_loading: ArrayLike, last_advance_number: float) -> Sensitivity:

@@ -1,12 +1,13 @@
 """Efficiency of each controller beside the best one, as a function of tau: [Ruth] 3.4.2, 3.6, Table 3.3.
 
-What counts is the pitch ratio at which a controller ends up when the propeller gives its thrust at that tau; controllers
-that hold the pitch are equally efficient, whatever they do to the shaft.
+What counts is the pitch ratio at which a controller ends up when the propeller gives its thrust at that tau:
+controllers that hold the pitch are equally efficient, whatever they do to the shaft.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +20,6 @@ from marine_model.propellers.loading import loading_from_coefficients
 from marine_model.propellers.optimal import advance_number, efficiency, optimal_pitch, pitch_of_torque_coefficient
 from marine_model.propellers.zero_thrust import last_advance_number
 from marine_model.root import rising_root
-
 
 Range = tuple[float, float] | None
 
@@ -45,6 +45,16 @@ class Path:
     efficiency: FloatArray
     best: FloatArray
     relative_error: FloatArray
+
+    def up_to(self, loading: float) -> Path:
+        """Return the part with tau up to ``loading``."""
+        keep = self.loading <= loading
+        return Path(
+            *(
+                values[keep]
+                for values in (self.loading, self.pitch_ratio, self.efficiency, self.best, self.relative_error)
+            )
+        )
 
     @property
     def absolute(self) -> float:
@@ -87,7 +97,9 @@ def best_path(model: PropellerModel, loading: ArrayLike, pitch_range: Range = No
     InputError
         If the pitch is fixed or tau is refused.
     """
-    return _path(model, loading, optimal_pitch(model, loading, pitch_range), pitch_range)
+    tau = np.asarray(loading, dtype=np.float64)
+    best = np.array(_best_pitch(model, tuple(tau.ravel().tolist()), pitch_range)).reshape(tau.shape)
+    return _path(model, tau, best, pitch_range)
 
 
 def fixed_pitch(model: PropellerModel, loading: ArrayLike, pitch_ratio: float, pitch_range: Range = None) -> Path:
@@ -183,18 +195,22 @@ def torque_pitch_from_demand(
     end = last_advance_number(model, pitch)
     inside = end**2 * h > tau_d**2 * model.coefficients(end, pitch)[1]
     tau_d, pitch, h = tau_d[inside], pitch[inside], h[inside]
-    J = rising_root(
-        lambda j: j**2 * h - tau_d**2 * model.coefficients(j, pitch)[1], np.zeros(tau_d.shape), end[inside]
-    )
+    J = rising_root(lambda j: j**2 * h - tau_d**2 * model.coefficients(j, pitch)[1], np.zeros(tau_d.shape), end[inside])
     return _path(model, loading_from_coefficients(J, model.coefficients(J, pitch)[0]), pitch, pitch_range)
 
 
 def _path(model: PropellerModel, loading: ArrayLike, pitch_ratio: FloatArray, pitch_range: Range) -> Path:
     tau = np.asarray(loading, dtype=np.float64)
-    best = optimal_pitch(model, tau, pitch_range)
+    best = np.array(_best_pitch(model, tuple(tau.ravel().tolist()), pitch_range)).reshape(tau.shape)
     # eta_0 = tau / (2 pi) K_T^(3/2) / K_Q: their ratio at one tau is that of what does not vanish at tau = 0.
     ratio = _merit(model, tau, pitch_ratio) / _merit(model, tau, best)
     return Path(tau, pitch_ratio, efficiency(model, tau, pitch_ratio), efficiency(model, tau, best), 1.0 - ratio)
+
+
+@lru_cache(maxsize=8)
+def _best_pitch(model: PropellerModel, loading: tuple[float, ...], pitch_range: Range) -> tuple[float, ...]:
+    """Return k(tau): controllers are compared at the same tau."""
+    return tuple(optimal_pitch(model, loading, pitch_range).tolist())
 
 
 def _merit(model: PropellerModel, tau: FloatArray, pitch_ratio: FloatArray) -> FloatArray:

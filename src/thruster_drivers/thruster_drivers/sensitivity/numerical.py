@@ -126,7 +126,9 @@ class Equilibrium:
         n = positive_number("shaft_speed", shaft_speed)
         scale = operation.density * self._model.diameter**4 * n**2
         wanted = operation.thrust / scale
-        ratio = self._ratio(lambda p: float(self._model.coefficients(0.0, p)[0]) - wanted, f"K_Td = {wanted:.4g}")
+        ratio = self._ratio(
+            lambda p: float(self._model.coefficients(0.0, p)[0]) - wanted, wanted, f"K_Td = {wanted:.4g}"
+        )
         K_Q = float(self._model.coefficients(0.0, ratio)[1])
         return self._result(operation, n, ratio, n, K_Q * scale * self._model.diameter)
 
@@ -142,9 +144,15 @@ class Equilibrium:
         """
         P_d, K_Qc = self._desired_power(operation), self._nominal.torque
         scale = operation.density * self._model.diameter**5
-        Q_d = (K_Qc * scale / (2.0 * math.pi) ** 2 * P_d**2) ** (1.0 / 3.0)
+        Q_d = float((K_Qc * scale / (2.0 * math.pi) ** 2 * P_d**2) ** (1.0 / 3.0))
         n = (P_d / (2.0 * math.pi * K_Qc * scale)) ** (1.0 / 3.0)
-        ratio = self._ratio(lambda p: self._load(operation, n, p)[1] - Q_d, f"Q_d = {Q_d:.4g} N m")
+
+        def excess(ratio: float) -> float:
+            # On the way to the root a low pitch may be past its data: the forces go on there.
+            _, torque = self._model.forces(n, operation.advance_speed, operation.density, ratio)
+            return float(torque) - Q_d
+
+        ratio = self._ratio(excess, Q_d, f"Q_d = {Q_d:.4g} N m")
         return self._result(operation, n, ratio, n, Q_d)
 
     def _desired_speed(self, operation: Operation) -> float:
@@ -156,7 +164,7 @@ class Equilibrium:
     def _desired_power(self, operation: Operation) -> float:
         K_Tc, K_Qc = self._nominal
         factor = 2.0 * math.pi * K_Qc / (math.sqrt(operation.density) * self._model.diameter * K_Tc**1.5)
-        return factor * operation.thrust**1.5
+        return float(factor * operation.thrust**1.5)
 
     def _load(self, operation: Operation, n: float, ratio: float) -> tuple[float, float]:
         """Return thrust, N, and torque, N m. Raises InputError outside the range of the model."""
@@ -189,12 +197,16 @@ class Equilibrium:
         n = brentq(surplus, low, high, xtol=1e-300, rtol=_ACCURACY)
         return self._at(operation, n, self._pitch_ratio)
 
-    def _ratio(self, excess: Callable[[float], float], words: str) -> float:
-        """Return the pitch ratio in range where ``excess`` is zero. Raises InputError."""
+    def _ratio(self, excess: Callable[[float], float], wanted: float, words: str) -> float:
+        """Return the pitch ratio in range where ``excess`` over ``wanted`` is zero. Raises InputError."""
         if self._model.pitch_range is None:
             raise InputError("propeller: expected one of controllable pitch, found a fixed pitch")
         low, high = self._model.pitch_range
         at_low, at_high = excess(low), excess(high)
+        # What a limit itself gives may be off by rounding.
+        for end, value in ((low, at_low), (high, at_high)):
+            if abs(value) <= 1e-12 * wanted:
+                return end
         if at_low * at_high > 0.0:
             raise InputError(f"pitch_ratio: no value from {low} to {high} gives {words}")
         return float(brentq(excess, low, high, xtol=1e-300, rtol=_ACCURACY))
