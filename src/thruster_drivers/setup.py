@@ -11,7 +11,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
     ],
-    install_requires=["setuptools", "numpy", "pydantic"],
+    install_requires=["setuptools", "numpy", "pydantic", "scipy"],
     zip_safe=False,
     description="Local thruster control of the dynamic-positioning stack.",
     license="Apache-2.0",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dp_tools.commands.design import design
 from dp_tools.commands.parameters import parameters_app
+from dp_tools.commands.propeller import propeller
 from dp_tools.commands.report import report
 from dp_tools.commands.root import app, main
 from dp_tools.commands.scenarios import scenario_app
@@ -14,6 +15,7 @@ app.command()(up)
 app.command()(report)
 app.command()(topics)
 app.command()(design)
+app.command()(propeller)
 app.add_typer(parameters_app, name="param")
 app.add_typer(scenario_app, name="scenario")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,7 @@ def load_vessel(name_or_path: str | Path) -> Vessel:
     DocumentError
         If the file cannot be read or breaks the schema: one line per problem, with file, line and field.
     """
-    document = _with_propeller_data(_merged(vessel_path(name_or_path), ()))
+    document = with_propeller_data(_merged(vessel_path(name_or_path), ()))
     return validate(document.content, Vessel, document)
 
 
@@ -70,22 +71,18 @@ def _merged(path: Path, chain: tuple[Path, ...]) -> YamlDocument:
     return _Overlay(_merged(base_path, (*chain, path.resolve())), document).document()
 
 
-def _with_propeller_data(document: YamlDocument) -> YamlDocument:
-    """Put the content of every propeller's data file in the place of its name, as if it stood in the vessel file.
+def with_propeller_data(document: YamlDocument) -> YamlDocument:
+    """Put the content of every propeller's data file in the place of its name, as if it stood in the document.
 
-    Problems in it are told with file and line of the data file. Raises DocumentError.
+    ``document`` is a vessel or propeller file. Problems in the data are told with file and line of the data file.
+    Raises DocumentError.
     """
-    thrusters = document.content.get("thrusters")
     lines, files = dict(document.lines), dict(document.files)
-    for i, thruster in enumerate(thrusters if isinstance(thrusters, list) else []):
-        propeller = thruster.get("propeller") if isinstance(thruster, dict) else None
-        if not isinstance(propeller, dict):
-            continue
+    for place, propeller in _propellers(document.content):
         model = propeller.get("model")
         field = DATA_FIELDS.get(model) if isinstance(model, str) else None
         if field is None or "file" not in propeller:
             continue
-        place: FieldPath = ("thrusters", i, "propeller")
         name = propeller.pop("file")
         if not isinstance(name, str):
             raise DocumentError(document.problem((*place, "file"), f"expected a file name, found {name!r}"))
@@ -98,6 +95,18 @@ def _with_propeller_data(document: YamlDocument) -> YamlDocument:
             lines[(*place, field, *at)] = line
             files[(*place, field, *at)] = path
     return YamlDocument(document.path, document.content, lines, files)
+
+
+def _propellers(content: dict[str, Any]) -> Iterator[tuple[FieldPath, dict[str, Any]]]:
+    """Yield every propeller section with its place: one a thruster, or that of a propeller file."""
+    thrusters = content.get("thrusters")
+    found: list[tuple[FieldPath, Any]] = [(("propeller",), content.get("propeller"))]
+    for i, thruster in enumerate(thrusters if isinstance(thrusters, list) else []):
+        if isinstance(thruster, dict):
+            found.append((("thrusters", i, "propeller"), thruster.get("propeller")))
+    for place, propeller in found:
+        if isinstance(propeller, dict):
+            yield place, propeller
 
 
 def _data_path(name: str, document: YamlDocument, place: FieldPath) -> Path:

@@ -66,6 +66,26 @@ class PitchDrive(Section):
         return self
 
 
+def check_pitch(propeller: PropellerData, low: float, high: float) -> None:
+    """Raise FieldError, from a section with fields ``propeller`` and ``pitch`` on, if they do not fit together."""
+    known = propeller.build().pitch_range
+    if known is None:
+        raise FieldError(
+            ("pitch",), f"expected none, because the propeller model '{propeller.model}' knows one pitch ratio"
+        )
+    if not (known[0] <= low and high <= known[1]):
+        raise FieldError(
+            ("pitch",),
+            f"expected min and max from {known[0]:g} to {known[1]:g}, those of the propeller's data, "
+            f"found {low:g} and {high:g}",
+        )
+    if not low <= propeller.pitch_ratio <= high:
+        raise FieldError(
+            ("propeller", "pitch_ratio"),
+            f"expected a number from pitch.min to pitch.max, {low:g} to {high:g}, found {propeller.pitch_ratio:g}",
+        )
+
+
 class AzimuthDrive(Section):
     """Azimuth motor: a rate servo."""
 
@@ -83,26 +103,8 @@ class _Thruster(Section):
 
     @model_validator(mode="after")
     def _pitch_is_known(self) -> Self:
-        if self.pitch is None:
-            return self
-        low, high = self.pitch.min, self.pitch.max
-        known = self.propeller.build().pitch_range
-        if known is None:
-            raise FieldError(
-                ("pitch",), f"expected none, because the propeller model '{self.propeller.model}' knows one pitch ratio"
-            )
-        if not (known[0] <= low and high <= known[1]):
-            raise FieldError(
-                ("pitch",),
-                f"expected min and max from {known[0]:g} to {known[1]:g}, those of the propeller's data, "
-                f"found {low:g} and {high:g}",
-            )
-        if not low <= self.propeller.pitch_ratio <= high:
-            raise FieldError(
-                ("propeller", "pitch_ratio"),
-                f"expected a number from pitch.min to pitch.max, {low:g} to {high:g}, "
-                f"found {self.propeller.pitch_ratio:g}",
-            )
+        if self.pitch is not None:
+            check_pitch(self.propeller, self.pitch.min, self.pitch.max)
         return self
 
 

@@ -21,6 +21,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from marine_model.propellers.base import PropellerModel
+from marine_model.propellers.zero_thrust import last_advance_number
 
 # The longest tau that the maps hold: beyond it the thrust is below a hundredth of rho D^2 V_A^2.
 TAU_MAX = 10.0
@@ -139,7 +140,7 @@ def _checked(tau: FloatArray) -> FloatArray:
 def _advance_number(model: PropellerModel, tau: FloatArray, pitch_ratio: FloatArray, halvings: int) -> FloatArray:
     wanted, pitch = np.broadcast_arrays(tau, pitch_ratio)
     low = np.zeros(wanted.shape)
-    high = _END * np.asarray(model.advance_number_end(pitch))
+    high = _END * last_advance_number(model, pitch)
     for _ in range(halvings):
         J = 0.5 * (low + high)
         K_T, _ = model.coefficients(J, pitch)
