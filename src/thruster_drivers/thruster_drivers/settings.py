@@ -65,8 +65,8 @@ class DriverSettings(Settings):
         for thruster, name in zip(vessel.thrusters, names, strict=True):
             if thruster.pitch is None and needs_pitch(name):
                 raise InputError(
-                    f"controller: expected a law for a fixed pitch at thruster '{thruster.name}', found '{name}', which "
-                    "needs a controllable pitch"
+                    f"controller: expected a law for a fixed pitch at thruster '{thruster.name}', found '{name}', "
+                    "which needs a controllable pitch"
                 )
         return names
 

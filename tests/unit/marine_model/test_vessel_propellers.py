@@ -131,7 +131,7 @@ def test_shaft_depths_with_and_without_trim() -> None:
     trimmed = load_vessel("cybership3_trimmed")
     # h/R = 1 with R = 0.045 m; the trim is written with four digits.
     np.testing.assert_allclose(trimmed.shaft_depth[2:] / 0.045, 1.0, rtol=1e-5)
-    np.testing.assert_allclose(trimmed.shaft_depth[:2], [0.08 + 0.84 * 0.058642, 0.19 + 0.76 * 0.058642])
+    np.testing.assert_allclose(trimmed.shaft_depth[:2], [0.08 + 0.84 * 0.08642, 0.19 + 0.76 * 0.08642])
     assert trimmed.allocator.thrust_weight == (6.62, 1.2, 0.90, 0.91)  # (B.33)
 
 
