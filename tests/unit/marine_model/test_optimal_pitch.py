@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq, minimize_scalar
 
 from marine_model.errors import InputError
-from marine_model.propellers import BollardPropeller, WageningenBPropeller
+from marine_model.guards import FloatArray
+from marine_model.propellers import BollardPropeller, TabulatedPropeller, WageningenBPropeller
 from marine_model.propellers.optimal import (
     TAU_MAX,
     OptimalMaps,
@@ -21,6 +23,7 @@ from marine_model.propellers.optimal import (
     optimal_pitch,
     pitch_of_thrust_coefficient,
     pitch_of_torque_coefficient,
+    thrust_pitches,
 )
 
 B4_70 = WageningenBPropeller(diameter=4.0, blades=4, area_ratio=0.7, pitch_ratio=0.58)
@@ -163,6 +166,36 @@ def test_bad_tau_is_refused(tau: float) -> None:
 def test_bad_ranges_are_refused(pitch_range: tuple[float, float]) -> None:
     with pytest.raises(InputError, match=r"pitch_range: expected a range within 0.5 to 1.4"):
         OptimalMaps(B4_70, pitch_range)
+
+
+def feathering() -> TabulatedPropeller:
+    """K_T = 0.4 P - J / 3 and K_Q = 0.004 + 0.05 P^2 - 0.002 J, from next to no pitch on."""
+    pitch = np.linspace(0.01, 1.21, 13)
+    J = np.linspace(0.0, 1.4, 15)
+    K_T = 0.4 * pitch[:, np.newaxis] - J / 3.0
+    K_Q = 0.004 + 0.05 * pitch[:, np.newaxis] ** 2 - 0.002 * J
+    return TabulatedPropeller(0.1, 0.8, J.tolist(), K_T.tolist(), K_Q.tolist(), pitch.tolist())
+
+
+def test_a_pitch_that_feathers_has_its_optimum_among_those_that_drive() -> None:
+    model = feathering()
+    # (0.004 + 0.05 P^2) / P^1.5 is least at P^2 = 3 * 0.004 / 0.05.
+    assert float(optimal_pitch(model, 0.0)) == pytest.approx(math.sqrt(0.24), abs=1e-3)  # interpolation in the table
+    low, high = thrust_pitches(model)
+    assert low == pytest.approx(0.05 * 1.21, abs=0.014)  # a step of the search
+    assert high == 1.21
+
+
+def test_a_model_of_all_advance_numbers_has_the_same_roots() -> None:
+    J = float(advance_number(Endless(4.0, 4, 0.7, 0.58), 1.3, 0.8))
+    assert pytest.approx(float(advance_number(B4_70, 1.3, 0.8)), abs=1e-12) == J
+
+
+class Endless(WageningenBPropeller):
+    """Claims all advance numbers, as a four-quadrant model does; its cubics go on beyond K_T = 0."""
+
+    def advance_number_end(self, pitch_ratio: ArrayLike) -> FloatArray:
+        return np.full(np.shape(pitch_ratio), np.inf)
 
 
 def test_a_propeller_of_one_pitch_has_no_optimum() -> None:

@@ -21,7 +21,6 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from marine_model.propellers.base import PropellerModel
-from marine_model.propellers.zero_thrust import last_advance_number
 
 # The longest tau that the maps hold: beyond it the thrust is below a hundredth of rho D^2 V_A^2.
 TAU_MAX = 10.0
@@ -32,6 +31,10 @@ _PITCH_POINTS = 46
 _HALVINGS, _HALVINGS_OF_A_SEARCH = 52, 30
 # The advance number of no thrust has an infinite tau; this share of it is as good.
 _END = 1.0 - 1e-9
+# No screw gives thrust at this advance number; where a four-quadrant model, which knows all of them, is looked at.
+_FAR = 16.0
+# Pitch ratios that give less of the largest K_T at J = 0 are for little thrust, not for the best of it.
+_LEAST_THRUST = 0.05
 
 
 class OptimalMaps:
@@ -108,7 +111,7 @@ def optimal_pitch(model: PropellerModel, tau: ArrayLike, pitch_range: tuple[floa
     InputError
         If a tau is negative or not finite, or as :class:`OptimalMaps`.
     """
-    pitch = np.linspace(*_pitch_range(model, pitch_range), _PITCH_POINTS)
+    pitch = np.linspace(*thrust_pitches(model, pitch_range), _PITCH_POINTS)
     given = np.asarray(tau, dtype=np.float64)
     J = _advance_number(model, _checked(given).reshape(-1, 1), pitch, _HALVINGS_OF_A_SEARCH)
     K_T, K_Q = model.coefficients(J, pitch)
@@ -140,7 +143,7 @@ def _checked(tau: FloatArray) -> FloatArray:
 def _advance_number(model: PropellerModel, tau: FloatArray, pitch_ratio: FloatArray, halvings: int) -> FloatArray:
     wanted, pitch = np.broadcast_arrays(tau, pitch_ratio)
     low = np.zeros(wanted.shape)
-    high = _END * last_advance_number(model, pitch)
+    high = _END * np.minimum(model.advance_number_end(pitch), _FAR)
     for _ in range(halvings):
         J = 0.5 * (low + high)
         K_T, _ = model.coefficients(J, pitch)
@@ -174,7 +177,7 @@ def pitch_of_torque_coefficient(
         If a tau is negative or not finite, or as :class:`OptimalMaps`.
     """
     given = _checked(np.asarray(tau, dtype=np.float64))
-    least, most = _pitch_range(model, pitch_range)
+    least, most = thrust_pitches(model, pitch_range)
     low, high = np.full(given.shape, least), np.full(given.shape, most)
 
     def excess(pitch: FloatArray) -> FloatArray:
@@ -208,6 +211,25 @@ def pitch_of_thrust_coefficient(
             f"found that it falls from {turn:.2f} on"
         )
     return K_T, pitch
+
+
+def thrust_pitches(model: PropellerModel, pitch_range: tuple[float, float] | None = None) -> tuple[float, float]:
+    """Return the part of ``pitch_range`` where K_T at J = 0 is above 5 % of its largest.
+
+    Raises
+    ------
+    InputError
+        If that part does not reach to the largest pitch ratio, or as :class:`OptimalMaps`.
+    """
+    least, most = _pitch_range(model, pitch_range)
+    pitch = np.linspace(least, most, 2 * _PITCH_POINTS - 1)
+    K_T, _ = model.coefficients(0.0, pitch)
+    weak = np.flatnonzero(_LEAST_THRUST * K_T.max() >= K_T)
+    if len(weak) == 0:
+        return least, most
+    if weak[-1] == len(pitch) - 1:
+        raise InputError(f"pitch_range: expected a largest pitch ratio that gives thrust, found {pitch_range}")
+    return float(pitch[weak[-1] + 1]), most
 
 
 def _pitch_range(model: PropellerModel, pitch_range: tuple[float, float] | None) -> tuple[float, float]:

@@ -46,17 +46,17 @@ class OptimalSetpoints:
         self._tau_scale = math.sqrt(density) * diameter * advance_speed
         self._speed_scale = 1.0 / (math.sqrt(density) * diameter**2)
         self._torque_scale = diameter
-        self._tables = tuple(
-            ScalarMap(function, 0.0, TAU_MAX) for function in (maps.pitch_ratio, maps.torque_per_thrust, maps.speed)
-        )
-        self._at_rest = tuple(table(0.0) for table in self._tables)
+        self._pitch_at = ScalarMap(maps.pitch_ratio, 0.0, TAU_MAX)
+        self._torque_at = ScalarMap(maps.torque_per_thrust, 0.0, TAU_MAX)
+        self._speed_at = ScalarMap(maps.speed, 0.0, TAU_MAX)
+        self._at_rest = self._pitch_at(0.0), self._torque_at(0.0), self._speed_at(0.0)
 
     def at(self, thrust: float) -> tuple[float, float, float]:
         """Return pitch ratio k(tau), torque h(tau) D T_d, N m, and shaft speed m(tau) sqrt(T_d / rho) / D^2, Hz."""
         size = abs(thrust)
         if thrust > 0.0 and self._tau_scale > 0.0:
             tau = self._tau_scale / math.sqrt(thrust)
-            pitch, torque_per_thrust, speed = (table(tau) for table in self._tables)
+            pitch, torque_per_thrust, speed = self._pitch_at(tau), self._torque_at(tau), self._speed_at(tau)
         else:
             pitch, torque_per_thrust, speed = self._at_rest
         n = math.copysign(speed * self._speed_scale * math.sqrt(size), thrust)

@@ -19,8 +19,8 @@ class PitchController(SpeedController):
     """One shaft speed n_c, and the pitch ratio that gives the desired thrust with it at zero advance speed.
 
     Thrust for which the pitch range has no pitch ratio at n_c is made by the shaft speed at the end of the range. So
-    the law is continuous in thrust, and an actuator that cannot go to zero pitch gives no thrust and reverses by its
-    shaft; one that can reverse its pitch never stops the shaft.
+    the law is continuous in thrust. Propeller models know pitch ratios above 0 only: thrust is taken to nothing, and
+    reversed, by the shaft.
 
     Without ``shaft_speed`` in the vessel file n_c is the speed of the largest thrust at the design pitch. The shaft is
     not asked for more than that, or n_c where it is more.
@@ -53,18 +53,12 @@ class PitchController(SpeedController):
         """Return n_d and g(K_Td), [Ruth] (3.16)."""
         speed = self._speed
         K_Td = thrust_reference / (self._scale * speed * speed)
-        if self._least > 0.0:
-            size = abs(K_Td)
-            if size < self._least:
-                return math.copysign(speed * math.sqrt(size / self._least), K_Td), self._pitch_min
-            if size > self._most:
-                return math.copysign(self._faster(size / self._most), K_Td), self._pitch_max
-            return math.copysign(speed, K_Td), self._pitch_at(size)
-        if K_Td > self._most:
-            return self._faster(K_Td / self._most), self._pitch_max
-        if K_Td < self._least < 0.0:
-            return self._faster(K_Td / self._least), self._pitch_min
-        return speed, self._pitch_at(K_Td)
+        size = abs(K_Td)
+        if size < self._least:
+            return math.copysign(speed * math.sqrt(size / self._least), K_Td), self._pitch_min
+        if size > self._most:
+            return math.copysign(self._faster(size / self._most), K_Td), self._pitch_max
+        return math.copysign(speed, K_Td), self._pitch_at(size)
 
     def _faster(self, thrust_ratio: float) -> float:
         return min(self._speed_top, self._speed * math.sqrt(thrust_ratio))

@@ -8,7 +8,7 @@ import numpy as np
 
 from marine_model.errors import InputError
 from marine_model.propellers.base import PropellerModel
-from marine_model.propellers.optimal import optimal_maps, pitch_of_torque_coefficient
+from marine_model.propellers.optimal import optimal_maps, pitch_of_torque_coefficient, thrust_pitches
 from marine_model.thruster import PitchDrive
 from thruster_drivers.controllers.base import ControlOutput
 from thruster_drivers.controllers.controllable_pitch import controllable_pitch
@@ -53,6 +53,7 @@ class TorqueShaftSpeedController(FeedforwardController):
         self._gain = tuning.pitch_gain or inertia / (
             4.0 * drive.time_constant * slope * scale * propeller.diameter * largest**2
         )
+        self._least, _ = thrust_pitches(propeller, (drive.min, drive.max))  # below it less pitch is more load
         self._wanted = model.pitch_ratio
         self._integral = math.nan  # P/D; found at the first step
         self._error = 0.0  # Hz, filtered
@@ -61,7 +62,7 @@ class TorqueShaftSpeedController(FeedforwardController):
         """Return Q_d, [Ruth] (3.22), n_d of (3.23), and the pitch ratio that the loop last wanted."""
         size = abs(thrust_reference) / self._thrust_per_speed_squared
         desired = math.copysign(math.sqrt(size), thrust_reference)
-        return self._torque_per_thrust * thrust_reference, desired, self._wanted
+        return self._torque_per_thrust * thrust_reference, desired, max(self._least, self._wanted)
 
     def step(self, thrust_reference: float, shaft_speed: float, pitch_ratio: float, dt: float) -> ControlOutput:
         """Return motor torque and pitch set point; see the base class."""
@@ -124,7 +125,8 @@ def _design_point(
     K_T, K_Q = (float(k) for k in propeller.coefficients(0.0, pitch))
     # A K_Qc at an end of the range is found there but for rounding.
     if torque_coefficient is not None and abs(K_Q - torque_coefficient) > 1e-6:
-        least, most = (float(propeller.coefficients(0.0, end)[1]) for end in pitch_range)
+        ends = thrust_pitches(propeller, pitch_range)
+        least, most = (float(propeller.coefficients(0.0, end)[1]) for end in ends)
         raise InputError(
             f"drivers.torque_shaft_speed.torque_coefficient: expected {least:.4g} to {most:.4g}, which the pitch range "
             f"has at zero advance speed, found {torque_coefficient:g}"
