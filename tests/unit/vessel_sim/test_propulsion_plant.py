@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 from benchmarks.mixed_propellers import with_every_model
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
+from marine_model.propellers.sections import BollardData
 from vessel_sim.propulsion import PlantTables, PropulsionPlant, columns
 
 Array = NDArray[np.float64]
@@ -67,7 +68,8 @@ def test_a_turning_propeller_in_a_flow_windmills() -> None:
     flow = np.full(N, 1.0)
     for _ in range(5000):
         plant.step(STILL, STILL, None, flow, DEEP, H)
-    data = [t.propeller for t in VESSEL.thrusters]
+    data = [t.propeller for t in VESSEL.thrusters if isinstance(t.propeller, BollardData)]
+    assert len(data) == N
     expected = [-p.torque_slope / (p.torque_coefficient * p.diameter) for p in data]
     assert state(plant, columns.SHAFT_SPEED) == pytest.approx(expected, rel=1e-6)
     assert max(state(plant, columns.THRUST)) < 0.0
@@ -191,16 +193,16 @@ def test_every_row_is_a_plant_of_its_own(seed: int) -> None:
     diameter = np.array([MIXED.propeller_models[i].diameter for i in which])
     controllable = np.array([MIXED.thrusters[i].pitch is not None for i in which])
     for _ in range(4):
-        inputs = [
-            draw.uniform(-1.0, 1.0, 20) * limit,
-            draw.uniform(-1.5, 1.5, 20),
-            np.where(controllable, draw.uniform(0.5, 1.3, 20), MIXED.pitch_ratio[which]),
-            draw.uniform(-0.5, 0.5, 20),
-            draw.uniform(-0.5, 2.0, 20) * diameter,
-        ]
-        fleet.step(*inputs, 0.1)
+        inputs = {
+            "torque": draw.uniform(-1.0, 1.0, 20) * limit,
+            "azimuth_rate": draw.uniform(-1.5, 1.5, 20),
+            "pitch_ratio": np.where(controllable, draw.uniform(0.5, 1.3, 20), MIXED.pitch_ratio[which]),
+            "advance_speed": draw.uniform(-0.5, 0.5, 20),
+            "submergence": draw.uniform(-0.5, 2.0, 20) * diameter,
+        }
+        fleet.step(**inputs, dt=0.1)
         for i, single in enumerate(singles):
-            single.step(*(values[i : i + 1] for values in inputs), 0.1)
+            single.step(**{name: values[i : i + 1] for name, values in inputs.items()}, dt=0.1)
             assert single.state[0].tolist() == fleet.state[i].tolist()
 
 
