@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
-from marine_model.constants import GRAVITY
 
 from dp_tools.propeller_subject import Subject
+from marine_model.constants import GRAVITY
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from marine_model.propellers.conversion import efficiency
