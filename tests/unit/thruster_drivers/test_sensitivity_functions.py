@@ -171,9 +171,7 @@ def test_refusals() -> None:
         closed_form.torque_shaft_speed(fixed, 0.1, 0.04)
     with pytest.raises(InputError, match=r"expected one of controllable pitch"):
         Equilibrium(fixed).torque_shaft_speed(Operation(100.0, 0.0, SEA))
-    with pytest.raises(
-        InputError, match=r"torque_coefficient: expected one .* at J = 0, found 0\.5"
-    ):
+    with pytest.raises(InputError, match=r"torque_coefficient: expected one .* at J = 0, found 0\.5"):
         closed_form.torque_shaft_speed(B4_70, 0.1, 0.5)
     with pytest.raises(InputError, match=r"weight: expected numbers from 0 to 1, found 1.5"):
         closed_form.combined(B4_70, 0.1, 1.5)
