@@ -81,9 +81,7 @@ def test_tau_fixes_the_advance_number(J: float, pitch: float) -> None:
     assert float(advance_number(B4_70, tau, pitch)) == pytest.approx(J, rel=1e-9)
 
 
-@given(
-    D=st.floats(0.1, 10.0), V=st.floats(0.1, 15.0), T=st.floats(1.0, 1e6), sensitivity=st.floats(0.01, 2.0)
-)
+@given(D=st.floats(0.1, 10.0), V=st.floats(0.1, 15.0), T=st.floats(1.0, 1e6), sensitivity=st.floats(0.01, 2.0))
 def test_tau_d_is_that_of_the_desired_thrust(D: float, V: float, T: float, sensitivity: float) -> None:
     """By the first line of (2.31); the last line as printed, tau / sqrt(st), is the inverse way round."""
     desired = T / sensitivity
@@ -126,9 +124,7 @@ def test_where_thrust_ends() -> None:
 
 def test_where_thrust_ends_without_an_end_of_the_data() -> None:
     """C_T = cos(beta) - sin(beta) is zero at 45 deg, where J = 0.7 pi."""
-    model = FourQuadrantPropeller(
-        1.0, 1.0, (1.0,), ((0.0, 1.0),), ((0.0, -1.0),), ((0.0, 0.2),), ((0.0, -0.1),)
-    )
+    model = FourQuadrantPropeller(1.0, 1.0, (1.0,), ((0.0, 1.0),), ((0.0, -1.0),), ((0.0, 0.2),), ((0.0, -0.1),))
     assert float(last_advance_number(model)) == pytest.approx(0.7 * math.pi, rel=1e-12)
     assert float(advance_number(model, 0.0, 1.0)) == 0.0
     J = float(advance_number(model, 1.0, 1.0))

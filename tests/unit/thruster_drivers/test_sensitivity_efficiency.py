@@ -73,8 +73,8 @@ def test_torque_shaft_speed_holds_its_torque_coefficient_or_saturates() -> None:
     _, K_Q = B4_70.coefficients(advance_number(B4_70, TAU, path.pitch_ratio), path.pitch_ratio)
     free = path.pitch_ratio < 1.4
     assert 10 < free.sum() < len(TAU)
-    # Two halved brackets, one in the other.
-    np.testing.assert_allclose(K_Q[free], 0.033, rtol=1e-9)
+    # Two searches, one in the other: 2e-9 measured.
+    np.testing.assert_allclose(K_Q[free], 0.033, rtol=1e-8)
     assert np.all(K_Q[~free] < 0.033)
     assert float(torque_shaft_speed(B4_70, np.array([0.0]), 0.001).pitch_ratio[0]) == 0.5
 

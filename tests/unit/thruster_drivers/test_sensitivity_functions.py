@@ -131,7 +131,7 @@ def test_slope_of_the_approximation(x: float, alpha: float) -> None:
 
 
 @given(pitch=pitches, J=st.floats(0.0, 0.5), alpha=st.floats(0.0, 1.0))
-def test_power_is_speed_times_torque_and_3_53_has_K_Qc_above(pitch: float, J: float, alpha: float) -> None:
+def test_power_is_speed_times_torque_and_3_53_has_k_qc_above(pitch: float, J: float, alpha: float) -> None:
     found = closed_form.combined(B4_70, J, alpha, pitch)
     assert float(found.power) == pytest.approx(float(found.shaft_speed * found.torque), rel=1e-14)
     K_Qc, K_Q = (float(B4_70.coefficients(j, pitch)[1]) for j in (0.0, J))
@@ -167,22 +167,22 @@ def test_no_pitch_beyond_saturation() -> None:
 def test_refusals() -> None:
     fixed = BollardPropeller(1.0, 1.0, 0.4, 0.05, -0.4, -0.03)
     at_rest = BollardPropeller(1.0, 1.0, 0.4, 0.05)
-    with pytest.raises(InputError, match="expected one of controllable pitch"):
+    with pytest.raises(InputError, match=r"expected one of controllable pitch"):
         closed_form.torque_shaft_speed(fixed, 0.1, 0.04)
-    with pytest.raises(InputError, match="expected one of controllable pitch"):
+    with pytest.raises(InputError, match=r"expected one of controllable pitch"):
         Equilibrium(fixed).torque_shaft_speed(Operation(100.0, 0.0, SEA))
-    with pytest.raises(InputError, match="torque_coefficient: expected one that a pitch ratio has at J = 0, found 0.5"):
+    with pytest.raises(InputError, match=r"torque_coefficient: expected one .* at J = 0, found 0\.5"):
         closed_form.torque_shaft_speed(B4_70, 0.1, 0.5)
-    with pytest.raises(InputError, match="weight: expected numbers from 0 to 1, found 1.5"):
+    with pytest.raises(InputError, match=r"weight: expected numbers from 0 to 1, found 1.5"):
         closed_form.combined(B4_70, 0.1, 1.5)
-    with pytest.raises(InputError, match="advance_speed: expected 0 for a propeller known at zero advance alone"):
+    with pytest.raises(InputError, match=r"advance_speed: expected 0 for a propeller known at zero advance alone"):
         Equilibrium(at_rest).torque(Operation(100.0, 0.1, SEA))
-    with pytest.raises(InputError, match="no equilibrium in the range of the propeller at 9.0 m/s"):
+    with pytest.raises(InputError, match=r"no equilibrium in the range of the propeller at 9.0 m/s"):
         Equilibrium(fixed).torque(Operation(1.0, 9.0, SEA))
-    with pytest.raises(InputError, match="no value from 0.5 to 1.4 gives K_Td"):
+    with pytest.raises(InputError, match=r"no value from 0.5 to 1.4 gives K_Td"):
         Equilibrium(B4_70).pitch(Operation(1e9, 0.0, SEA), 1.0)
-    with pytest.raises(InputError, match="thrust: expected a number above 0"):
+    with pytest.raises(InputError, match=r"thrust: expected a number above 0"):
         Operation(0.0, 0.0, SEA)
-    with pytest.raises(InputError, match="advance_speed: expected at least 0, found -1.0"):
+    with pytest.raises(InputError, match=r"advance_speed: expected at least 0, found -1.0"):
         Operation(1.0, -1.0, SEA)
     assert float(Equilibrium(at_rest).torque(Operation(100.0, 0.0, SEA)).thrust) == pytest.approx(1.0, rel=1e-14)
