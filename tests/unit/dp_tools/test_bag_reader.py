@@ -106,7 +106,7 @@ def test_bag_says_what_ran(bag: Path, scenario: Scenario, vessel: Vessel) -> Non
 def test_report_of_a_bag(bag: Path, tmp_path: Path) -> None:
     page, figures = report_bag(bag, tmp_path / "out", picture=tmp_path / "images" / "run.png")
     assert (tmp_path / "images" / "run.png").read_bytes().startswith(b"\x89PNG")
-    assert page.read_text(encoding="utf-8").count("<img") == 8
+    assert page.read_text(encoding="utf-8").count("<img") == 9
     assert '"name": "power"' in figures.read_text(encoding="utf-8")
 
 

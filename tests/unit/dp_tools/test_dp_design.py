@@ -30,6 +30,7 @@ def tugboat(tmp_path: Path) -> Path:
     document["thrusters"] = document["thrusters"][:2]
     del document["power"]
     document["allocator"]["thrust_weight"] = [14.0, 1.2]
+    document["drivers"]["ventilation"]["speed_min"] = 50.0
     path = tmp_path / "tugboat.yaml"
     path.write_text(yaml.safe_dump(document), encoding="utf-8")
     return path

@@ -354,6 +354,7 @@ def test_thrusters_that_cannot_give_every_direction(tmp_path: Path) -> None:
     content = dict(CONTENT)
     content["thrusters"] = [CONTENT["thrusters"][0]]
     content["allocator"] = CONTENT["allocator"] | {"thrust_weight": [14.0]}
+    content["drivers"] = {key: value for key, value in CONTENT["drivers"].items() if key != "ventilation"}
     (found,) = problems(write(tmp_path, yaml.safe_dump(content)))
     assert "thrusters: together they cannot produce surge, sway and yaw independently" in found
 
@@ -412,6 +413,7 @@ class TestExtends:
             "extends": "cybership3",
             "thrusters": [fifth],
             "allocator": {"thrust_weight": [14, 1.2, 0.85, 0.87, 14]},
+            "drivers": {"ventilation": {"speed_min": 5.0}},
         }
         vessel = load_vessel(write(tmp_path, yaml.safe_dump(content)))
         assert vessel.thruster_names[-1] == "tunnel_stern"
