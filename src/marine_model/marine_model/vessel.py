@@ -64,12 +64,6 @@ class Vessel(Section):
         n, weights = len(self.thrusters), len(self.allocator.thrust_weight)
         if weights != n:
             raise FieldError(("allocator", "thrust_weight"), f"expected {n} numbers, one a thruster, found {weights}")
-        ventilation = self.drivers.ventilation
-        if ventilation is not None and len(ventilation.speed_min) != n:
-            raise FieldError(
-                ("drivers", "ventilation", "speed_min"),
-                f"expected {n} numbers, one a thruster, found {len(ventilation.speed_min)}",
-            )
         if self.allocator.sectors is None and any(self.sectors):
             name = next(name for name, sectors in zip(names, self.sectors, strict=True) if sectors)
             raise FieldError(("allocator",), f"expected a field 'sectors', because thruster '{name}' has sectors")

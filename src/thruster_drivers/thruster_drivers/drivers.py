@@ -297,13 +297,6 @@ class Drivers:
             self._controllers[j].take_over(reference[j], shaft_speed[j], measured, self._last_torque[j])
         self._taking_over.clear()
 
-    @staticmethod
-    def _reduced(antispin: AntiSpin, j: int, thrust: float, seen: VentilationState | None, dt: float) -> float:
-        """Return what anti-spin leaves of ``thrust`` (N); after a switch-off of the detection it comes back."""
-        if seen is None:
-            return antispin.thrust(j, thrust, False, 1.0, dt)
-        return antispin.thrust(j, thrust, bool(seen.ventilating[j]), float(seen.beta_q[j]), dt)
-
     def _sensor_lost(self, shaft_speed: list[float], azimuth: list[float], pitch: list[float]) -> bool:
         if math.isfinite(sum(shaft_speed) + sum(azimuth) + sum(pitch)):
             return False  # the common case, at the cost of one addition
