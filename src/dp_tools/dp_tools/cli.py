@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dp_tools.commands.design import design
+from dp_tools.commands.open_water import open_water_app
 from dp_tools.commands.parameters import parameters_app
 from dp_tools.commands.propeller import propeller
 from dp_tools.commands.report import report
@@ -18,5 +19,6 @@ app.command()(design)
 app.command()(propeller)
 app.add_typer(parameters_app, name="param")
 app.add_typer(scenario_app, name="scenario")
+app.add_typer(open_water_app, name="open-water")
 
 __all__ = ["app", "main"]
