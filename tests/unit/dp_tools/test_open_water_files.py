@@ -95,7 +95,10 @@ CASES: list[tuple[Change, str]] = [
         lambda d: d.update(thrust={"steps": [[0.0, 50.0]], "amplitude": 1.0}),
         r"thrust\.steps: expected none beside amplitude and period",
     ),
-    (lambda d: d["thrust"].update(mean=500.0), r"thrust: expected thrust within limits, 0 to 400 N, found 500 to 500 N"),
+    (
+        lambda d: d["thrust"].update(mean=500.0),
+        r"thrust: expected thrust within limits, 0 to 400 N, found 500 to 500 N",
+    ),
     (
         lambda d: d["shaft"].update(torque_max=5.0),
         r"shaft\.torque_max: expected at least 14\.4 N m, .* found 5 \(case 'speed'\)",
@@ -126,8 +129,14 @@ CASES: list[tuple[Change, str]] = [
         ),
         r"inflow\.waves\..*peakedness: Input should be greater than or equal to 1, found 0\.5",
     ),
-    (lambda d: d["windows"].update(all=[1.0, 3.0]), r"windows\.all: expected 0 <= start < end <= 2, found \[1\.0, 3\.0\]"),
-    (lambda d: d["table"].update(window="some"), r"table\.window: expected a name out of windows \(all\), found 'some'"),
+    (
+        lambda d: d["windows"].update(all=[1.0, 3.0]),
+        r"windows\.all: expected 0 <= start < end <= 2, found \[1\.0, 3\.0\]",
+    ),
+    (
+        lambda d: d["table"].update(window="some"),
+        r"table\.window: expected a name out of windows \(all\), found 'some'",
+    ),
     (lambda d: d.update(close_up="some"), r"close_up: expected a name out of windows \(all\), found 'some'"),
     (lambda d: d["table"].update(kinds=["beauty"]), r"table\.kinds\.0: Input should be 'corrected_mean_power'"),
     (

@@ -60,7 +60,8 @@ def tables(outcome: Outcome) -> list[Table]:
         cases.add_row(title, *values)
     found = [cases]
     if outcome.figures:
-        figures = Table(title=Text(f"Beside the thesis: {trial.source}" if trial.source else "Figures"))
+        compared = any(figure.spec.thesis is not None for figure in outcome.figures)
+        figures = Table(title="Beside the thesis" if compared else "Figures")
         figures.add_column("figure")
         for head in ("ours", "thesis", "difference"):
             figures.add_column(head, justify="right")

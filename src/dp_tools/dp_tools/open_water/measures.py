@@ -48,6 +48,8 @@ class Measure:
 def corrected_mean_power(motor_power: FloatArray, demanded: FloatArray, produced: FloatArray) -> float:
     """Return P_m,corr, W: mean power at the mean thrust that was asked for, [Ruth] (3.68).
 
+    NaN where the mean thrust is 0 or has the other sign than the mean demand.
+
     Parameters
     ----------
     motor_power
@@ -55,8 +57,12 @@ def corrected_mean_power(motor_power: FloatArray, demanded: FloatArray, produced
     demanded, produced
         T_d and T, N.
     """
-    ratio = float(demanded.mean()) / float(produced.mean())
-    return float(motor_power.mean()) * math.copysign(abs(ratio) ** 1.5, ratio) if ratio else 0.0
+    ratio = _ratio(float(demanded.mean()), float(produced.mean()))
+    return float(motor_power.mean()) * ratio**1.5 if ratio >= 0.0 else math.nan
+
+
+def _ratio(value: float, base: float) -> float:
+    return value / base if base else math.nan
 
 
 def _sensitivity(case: CaseRecord) -> FloatArray:
@@ -77,7 +83,7 @@ MEASURES: dict[Kind, Measure] = {
     "power_max": Measure("largest power", "W", lambda c: float(c.power.max())),
     "mean_thrust": Measure("mean thrust", "N", lambda c: float(c.thrust.mean())),
     "mean_thrust_over_demand": Measure(
-        "mean thrust over mean demand", "1", lambda c: float(c.thrust.mean() / c.thrust_demanded.mean())
+        "mean thrust over mean demand", "1", lambda c: _ratio(float(c.thrust.mean()), float(c.thrust_demanded.mean()))
     ),
     "thrust_std": Measure("standard deviation of thrust", "N", lambda c: float(c.thrust.std())),
     "thrust_sensitivity_mean": Measure("mean thrust sensitivity", "1", lambda c: _over(_sensitivity(c), np.mean)),

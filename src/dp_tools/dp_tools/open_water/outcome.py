@@ -77,16 +77,22 @@ def work_out(trial: Trial, progress: Progress | None = None) -> Outcome:
 
 
 def _value(record: Record, trial: Trial, kind: Kind, case: str, window: str) -> float:
-    return MEASURES[kind].of(record.cases[case].part(record.window(*trial.windows[window])))
+    value = MEASURES[kind].of(record.cases[case].part(record.window(*trial.windows[window])))
+    if not math.isfinite(value):
+        raise InputError(
+            f"{kind} of case '{case}' in window '{window}': expected a finite number, found {value}; does the propeller "
+            "give the thrust that is asked for?"
+        )
+    return value
 
 
 def _figure(record: Record, trial: Trial, spec: Figure) -> FigureValue:
     value, unit = _value(record, trial, spec.kind, spec.case, spec.window), MEASURES[spec.kind].unit
     if spec.over is not None:
         base = _value(record, trial, spec.kind, spec.over, spec.window)
-        value, unit = (value / base if base else math.nan), "1"
-    if not math.isfinite(value):
-        raise InputError(f"figures.{spec.name}: expected a finite number, found {value}")
+        if base == 0.0:
+            raise InputError(f"figures.{spec.name}: expected a case '{spec.over}' with more than 0, found {base}")
+        value, unit = value / base, "1"
     return FigureValue(spec, value, unit)
 
 
