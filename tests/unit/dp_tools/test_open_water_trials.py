@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from functools import cache
 
@@ -54,7 +55,7 @@ def lasting(condition: FloatArray, time: float, dt: float) -> FloatArray:
 def cycles(record: Record, period: float, start: float) -> list[slice]:
     """Return the whole cycles of submergence after ``start`` (s)."""
     ends = np.arange(start, float(record.t[-1]) + 1e-6, period)
-    return [record.window(float(a), float(b)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return [record.window(float(a), float(b)) for a, b in itertools.pairwise(ends)]
 
 
 @pytest.mark.parametrize("name", SHAFT_SPEED_TRIALS)
@@ -92,7 +93,7 @@ def test_losses_begin_and_end_in_every_cycle_of_submergence(name: str) -> None:
     assert float(loss.min()) < 0.05
 
 
-@pytest.mark.parametrize("name", ("ventilation_fast", "ventilation_power"))
+@pytest.mark.parametrize("name", ["ventilation_fast", "ventilation_power"])
 def test_thrust_is_lost_faster_than_it_comes_back(name: str) -> None:
     trial, record = run(name)
     assert record.submergence_ratio is not None
@@ -133,8 +134,8 @@ def test_power_control_races_when_the_load_falls() -> None:
         # (2.60)
         demand = 2.0 * math.pi * K_Q / (math.sqrt(rho) * D * K_T**1.5) * thrust**1.5
         np.testing.assert_allclose(power.power, demand, rtol=0.02)
-        # Racing to full ventilation makes it worse: the faster propeller draws more air. At 100 N it stops short of that,
-        # and more turns make up for some of the loss.
+        # Racing to full ventilation makes it worse: the faster propeller draws more air. At 100 N it stops short of
+        # that, and more turns make up for some of the loss.
         full = float(power.thrust_loss.min()) < 0.05
         assert full == (thrust > 100.0)
         assert (float(power.thrust.mean()) < float(speed.thrust.mean())) == full

@@ -80,8 +80,8 @@ def _value(record: Record, trial: Trial, kind: Kind, case: str, window: str) -> 
     value = MEASURES[kind].of(record.cases[case].part(record.window(*trial.windows[window])))
     if not math.isfinite(value):
         raise InputError(
-            f"{kind} of case '{case}' in window '{window}': expected a finite number, found {value}; does the propeller "
-            "give the thrust that is asked for?"
+            f"{kind} of case '{case}' in window '{window}': expected a finite number, found {value}; does the "
+            "propeller give the thrust that is asked for?"
         )
     return value
 

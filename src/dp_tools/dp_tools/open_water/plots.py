@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -148,9 +148,9 @@ def _path(x: FloatArray, y: FloatArray, points: int = 4000) -> tuple[FloatArray,
     return x[::step], y[::step]
 
 
-def _boundaries(axis: Any, ventilation: VentilationData, limits: Sequence[float]) -> None:
+def _boundaries(axis: Any, ventilation: VentilationData, limits: Span) -> None:
     """Draw F_nh2 at beta_Tw = 0.8 and 0.2: the higher of both bands, (2.50)."""
-    x = np.linspace(*limits, 101)
+    x = np.linspace(limits[0], limits[1], 101)
     for beta, dashes in ((0.8, (0, (5, 2))), (0.2, (0, (1, 1.5)))):
         bands = [ventilation.line(band, beta) for band in ("plus", "minus")]
         plus = np.array([bands[0](float(value)) for value in x])

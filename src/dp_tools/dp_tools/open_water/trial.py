@@ -183,7 +183,7 @@ class Trial(Section):
     @property
     def instants(self) -> FloatArray:
         """0, time_step, ... duration, s."""
-        return np.arange(round(self.duration / self.time_step) + 1) * self.time_step
+        return np.arange(round(self.duration / self.time_step) + 1, dtype=np.float64) * self.time_step
 
     def variant(self, thrust: ThrustReference, duration: float) -> Self:
         """Return the trial with another thrust and duration."""
