@@ -14,6 +14,7 @@ setup(
         (f"share/{package_name}/launch", glob("launch/*.launch.py")),
         (f"share/{package_name}/config", glob("config/*")),
         (f"share/{package_name}/scenarios", glob("scenarios/*.yaml")),
+        (f"share/{package_name}/open_water", glob("open_water/*.yaml")),
     ],
     install_requires=["setuptools"],
     zip_safe=False,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dp_tools.commands.design import design
+from dp_tools.commands.detection import detection
+from dp_tools.commands.open_water import open_water_app
 from dp_tools.commands.parameters import parameters_app
 from dp_tools.commands.propeller import propeller
 from dp_tools.commands.report import report
@@ -16,7 +18,9 @@ app.command()(report)
 app.command()(topics)
 app.command()(design)
 app.command()(propeller)
+app.command()(detection)
 app.add_typer(parameters_app, name="param")
 app.add_typer(scenario_app, name="scenario")
+app.add_typer(open_water_app, name="open-water")
 
 __all__ = ["app", "main"]

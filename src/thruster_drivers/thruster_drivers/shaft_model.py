@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from marine_model.propellers.base import PropellerModel
+from marine_model.propulsion import Propulsion
 from marine_model.thruster import PitchDrive
-from marine_model.vessel import Vessel
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +81,7 @@ class ShaftModel:
         return 0.0
 
 
-def shaft_models(vessel: Vessel) -> tuple[ShaftModel, ...]:
+def shaft_models(vessel: Propulsion) -> tuple[ShaftModel, ...]:
     """Return one model per thruster, in the order of the vessel file."""
     propellers = vessel.propellers
     return tuple(

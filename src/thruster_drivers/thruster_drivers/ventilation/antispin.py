@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from marine_model.errors import InputError
-from marine_model.vessel import Vessel
+from marine_model.propulsion import Propulsion
 from thruster_drivers.ventilation.settings import AntiSpinSettings
 
 
@@ -32,7 +32,7 @@ class AntiSpin:
         Operator's options.
     """
 
-    def __init__(self, vessel: Vessel, settings: AntiSpinSettings | None = None) -> None:
+    def __init__(self, vessel: Propulsion, settings: AntiSpinSettings | None = None) -> None:
         self._share = [1.0] * len(vessel.thrusters)
         bandwidth = vessel.drivers.shaft_speed.bandwidth
         self._gain = [2.0 * math.pi * t.shaft.inertia * bandwidth for t in vessel.thrusters]

@@ -12,7 +12,7 @@ from marine_model.errors import InputError
 from marine_model.gains import VentilationGains
 from marine_model.guards import FloatArray, positive_number
 from marine_model.loss_memory import LossMemory
-from marine_model.vessel import Vessel
+from marine_model.propulsion import Propulsion
 from thruster_drivers.ventilation import tables
 from thruster_drivers.ventilation.detection import SHAFT_DECELERATION, TORQUE_RATE, detect
 from thruster_drivers.ventilation.loss_factor import allowed_noise
@@ -66,7 +66,7 @@ class VentilationMonitor:
         If the vessel has no such section or the settings do not fit it.
     """
 
-    def __init__(self, vessel: Vessel, settings: VentilationSettings | None = None) -> None:
+    def __init__(self, vessel: Propulsion, settings: VentilationSettings | None = None) -> None:
         gains = vessel.drivers.ventilation
         if gains is None:
             raise InputError(f"drivers.ventilation: expected this section in vessel '{vessel.name}', found none")
@@ -177,7 +177,7 @@ class VentilationMonitor:
         return array
 
 
-def _parameters(vessel: Vessel, gains: VentilationGains) -> FloatArray:
+def _parameters(vessel: Propulsion, gains: VentilationGains) -> FloatArray:
     table: FloatArray = np.zeros((len(vessel.thrusters), tables.PARAMETERS))
     noise = vessel.measurement.shaft_speed_noise
     bandwidth = vessel.drivers.shaft_speed.bandwidth

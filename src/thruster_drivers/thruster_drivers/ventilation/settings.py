@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from marine_model.errors import InputError
+from marine_model.propulsion import Propulsion
 from marine_model.settings import Settings, setting
 from marine_model.vessel import Vessel
 
@@ -50,7 +51,7 @@ class VentilationSettings(Settings):
         n = len(vessel.thrusters)
         return cls(on=gains.on, off=gains.off, speed_min=_each(gains.speed_min, n), excluded=(False,) * n)
 
-    def resolved(self, vessel: Vessel) -> tuple[float, float, tuple[float, ...], tuple[bool, ...]]:
+    def resolved(self, vessel: Propulsion) -> tuple[float, float, tuple[float, ...], tuple[bool, ...]]:
         """Return ``on``, ``off``, ``speed_min`` and ``excluded`` with the numbers of ``vessel`` filled in.
 
         Raises

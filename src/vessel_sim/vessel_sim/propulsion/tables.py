@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from marine_model.guards import FloatArray
+from marine_model.propulsion import Propulsion
 from marine_model.thruster import AzimuthThruster
 from marine_model.ventilation import table as ventilation_table
-from marine_model.vessel import Vessel
 from vessel_sim.propulsion import columns
 
 
@@ -29,7 +29,7 @@ class PlantTables:
     start: FloatArray  # (n, columns.STATE): at rest, azimuths in their fixed directions, design pitch, no losses
 
     @classmethod
-    def of(cls, vessel: Vessel) -> Self:
+    def of(cls, vessel: Propulsion) -> Self:
         """Return the tables of ``vessel``, in file order."""
         n = len(vessel.thrusters)
         parameters = np.zeros((n, columns.PARAMETERS))

@@ -1,0 +1,62 @@
+"""Trial files by name or path."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dp_tools.open_water.rig import controllers_of, rig_of
+from dp_tools.open_water.trial import Trial
+from dp_tools.workspace import share
+from marine_model.errors import DocumentError, UnknownNameError
+from marine_model.load import with_propeller_data
+from marine_model.schema import FieldError
+from marine_model.yaml_document import read_yaml
+
+
+def trial_folder() -> Path:
+    """Return the folder of the trials that come with dp_bringup. Raises WorkspaceError if it is not built."""
+    return share("dp_bringup") / "open_water"
+
+
+def trial_names() -> tuple[str, ...]:
+    """Return the names of the trials that come with dp_bringup, sorted. Raises WorkspaceError."""
+    return tuple(sorted(path.stem for path in trial_folder().glob("*.yaml")))
+
+
+def load_trial(name_or_path: str | Path) -> Trial:
+    """Return a validated trial.
+
+    Parameters
+    ----------
+    name_or_path
+        A name out of ``trial_names()``, or the path of a YAML file (anything with a folder or a suffix).
+
+    Raises
+    ------
+    UnknownNameError
+        If no trial has that name, or the path does not exist.
+    DocumentError
+        If the file cannot be read or breaks the schema, or propeller, shaft and controllers do not fit together: one
+        line per problem, with file, line and field.
+    WorkspaceError
+        If a name is asked for and dp_bringup is not built.
+    """
+    document = with_propeller_data(read_yaml(_path(name_or_path)))
+    trial = document.validate(Trial)
+    try:
+        controllers_of(trial, rig_of(trial))
+    except FieldError as error:
+        raise DocumentError(document.problem(error.field, str(error))) from error
+    return trial
+
+
+def _path(name_or_path: str | Path) -> Path:
+    path = Path(name_or_path)
+    if path.suffix in (".yaml", ".yml") or len(path.parts) > 1:
+        if not path.is_file():
+            raise UnknownNameError(f"trial: no such file: {path}")
+        return path
+    known = trial_folder() / f"{path}.yaml"
+    if not known.is_file():
+        raise UnknownNameError(f"trial: expected a path or one of {', '.join(trial_names())}, found '{name_or_path}'")
+    return known
