@@ -15,9 +15,9 @@ import yaml
 from typer.testing import CliRunner
 
 from dp_tools.cli import app
-from dp_tools.propeller_plots import pictures_of
-from dp_tools.propeller_study import study
-from dp_tools.propeller_subject import subject_of, subjects_of
+from dp_tools.propeller.plots import pictures_of
+from dp_tools.propeller.study import study
+from dp_tools.propeller.subject import subject_of, subjects_of
 from marine_model import load_vessel
 from marine_model.load import vessel_path
 from marine_model.propeller_file import load_propeller

@@ -40,6 +40,6 @@ def design(
     """
     chosen = load_vessel(vessel)
     # The compiler behind it and plotting libraries load slowly; only this command waits for them.
-    from dp_tools.design_run import run_design
+    from dp_tools.design.run import run_design
 
     run_design(console, chosen, azimuth_degrees, maps, output)

@@ -44,8 +44,8 @@ def propeller(
     if propeller_file and thruster:
         raise typer.BadParameter("--thruster is of a vessel; a propeller file has none")
     # Plotting libraries load slowly; only this command waits for them.
-    from dp_tools.propeller_run import run_propeller
-    from dp_tools.propeller_subject import subject_of, subjects_of
+    from dp_tools.propeller.run import run_propeller
+    from dp_tools.propeller.subject import subject_of, subjects_of
     from marine_model.propeller_file import load_propeller
 
     if vessel:

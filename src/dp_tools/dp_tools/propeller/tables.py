@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from rich.table import Table
 
-from dp_tools.propeller_study import Study, Summary
+from dp_tools.propeller.study import Study, Summary
 
 
 def summary_table(studies: Sequence[Study]) -> Table:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dp_tools.design_tables import buses, numbers
+from dp_tools.design.tables import buses, numbers
 from dp_tools.run_files import FolderError
 from marine_model import Vessel
 from thrust_allocator.design.loop import Study, bus_losses

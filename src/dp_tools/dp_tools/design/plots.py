@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from dp_tools.design_tables import numbers
+from dp_tools.design.tables import numbers
 from dp_tools.report import style
 from marine_model import Vessel
 from marine_model.guards import FloatArray

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from dp_tools.propeller_subject import Subject
+from dp_tools.propeller.subject import Subject
 from marine_model.constants import GRAVITY
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray

@@ -8,11 +8,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from dp_tools.propeller_files import PropellerFolder
-from dp_tools.propeller_plots import pictures_of
-from dp_tools.propeller_study import Study, check_loading, study
-from dp_tools.propeller_subject import Subject
-from dp_tools.propeller_tables import comparison_table, printed_table, remarks, summary_table
+from dp_tools.propeller.files import PropellerFolder
+from dp_tools.propeller.plots import pictures_of
+from dp_tools.propeller.study import Study, check_loading, study
+from dp_tools.propeller.subject import Subject
+from dp_tools.propeller.tables import comparison_table, printed_table, remarks, summary_table
 from dp_tools.run_files import FolderError
 
 

@@ -11,7 +11,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from dp_tools.propeller_study import Columns, Study
+from dp_tools.propeller.study import Columns, Study
 from dp_tools.report import style
 
 _DPI = 130

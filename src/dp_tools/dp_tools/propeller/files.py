@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from dp_tools.propeller_study import Columns, Study
+from dp_tools.propeller.study import Columns, Study
 from dp_tools.run_files import FolderError
 from thruster_drivers.sensitivity import Sensitivity
 

@@ -1,0 +1,1 @@
+"""`dp design`: studies, tables, figures, files."""

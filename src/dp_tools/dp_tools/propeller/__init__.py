@@ -1,0 +1,1 @@
+"""`dp propeller`: study, tables, figures, files."""
