@@ -23,6 +23,7 @@ NANOSECONDS = 1_000_000_000
 KINDS = {
     "pose": "geometry_msgs/msg/PoseWithCovarianceStamped",
     "truth": "nav_msgs/msg/Odometry",
+    "propulsion_truth": "dp_msgs/msg/PropulsionTruth",
     "odometry": "nav_msgs/msg/Odometry",
     "observer_state": "dp_msgs/msg/ObserverState",
     "controller_status": "dp_msgs/msg/ControllerStatus",
@@ -35,7 +36,7 @@ KINDS = {
     "ventilation": "dp_msgs/msg/Ventilation",
 }
 # Order of travel, so that the file has it as well.
-AT_SAMPLE = tuple(KINDS)[:9]
+AT_SAMPLE = tuple(KINDS)[:10]
 
 
 def _store() -> Typestore:
@@ -169,6 +170,15 @@ class BagOfRun:
 
     def _truth(self, i: int, stamp: int) -> Any:
         return self._odometry_of(stamp, self._row("truth_position", i), np.zeros(3))
+
+    def _propulsion_truth(self, i: int, stamp: int) -> Any:
+        names = ("thrust", "thrust_loss", "torque_loss", "submergence", "advance_speed")
+        return self._make(
+            KINDS["propulsion_truth"],
+            header=self._header(stamp),
+            name=list(self._run.thrusters),
+            **{name: self._row(f"truth_{name}", i) for name in names},
+        )
 
     def _odometry(self, i: int, stamp: int) -> Any:
         return self._odometry_of(stamp, self._row("estimate_position", i), self._row("estimate_velocity", i))

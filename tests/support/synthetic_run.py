@@ -64,6 +64,11 @@ def synthetic_run(vessel: Vessel, duration: float = 380.0, seed: int = 0) -> Run
         "allocation_cost": np.ones((len(t), 1)),
         "thrust_command": thrust,
         "azimuth_command": azimuth,
+        "truth_thrust": 0.9 * thrust,
+        "truth_thrust_loss": np.ones((len(t), n)),
+        "truth_torque_loss": np.ones((len(t), n)),
+        "truth_submergence": np.full((len(t), n), 0.1),
+        "truth_advance_speed": np.zeros((len(t), n)),
     }
     at_feedback = {
         "shaft_speed": speed,

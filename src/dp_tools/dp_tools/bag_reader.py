@@ -13,7 +13,7 @@ from mcap.exceptions import McapError
 from mcap.reader import McapReader, make_reader
 from mcap_ros2.decoder import DecoderFactory
 
-from dp_tools.run_data import WIDTHS, Labels, RunData, RunInfo, Series
+from dp_tools.run_data import PROPULSION_TRUTH, WIDTHS, Labels, RunData, RunInfo, Series
 from dp_tools.scenario import Scenario, load_scenario
 from dp_tools.versions import VERSIONS_RECORD
 from marine_model import Vessel, load_vessel
@@ -131,6 +131,7 @@ class _Collector:
             "actuator_setpoint": self._actuator_setpoint,
             "thruster_feedback": self._thruster_feedback,
             "ventilation": self._ventilation,
+            "propulsion_truth": self._propulsion_truth,
         }
 
     def take(self, topic: str, message: Any) -> None:
@@ -166,6 +167,10 @@ class _Collector:
 
     def _truth(self, stamp: int, m: Any) -> None:
         self._row("truth_position", stamp, _position(m.pose.pose))
+
+    def _propulsion_truth(self, stamp: int, m: Any) -> None:
+        for name in PROPULSION_TRUTH:
+            self._by_thruster(f"truth_{name}", stamp, m.name, getattr(m, name))
 
     def _odometry(self, stamp: int, m: Any) -> None:
         twist = m.twist.twist

@@ -23,7 +23,7 @@ import numpy as np
 from dp_controller import Controller, ControllerInputs, ControllerSettings
 from dp_observer import Observer, ObserverInputs, ObserverSettings
 from dp_tools.node_settings import ALLOCATOR, CONTROLLER, DRIVERS, OBSERVER, SIMULATOR
-from dp_tools.run_data import RunData, RunInfo
+from dp_tools.run_data import PROPULSION_TRUTH, RunData, RunInfo
 from dp_tools.run_log import RunLog
 from dp_tools.scenario import Event, Scenario
 from dp_tools.versions import versions
@@ -253,6 +253,8 @@ class ClosedLoop:
         if pose is not None:
             rows["pose"][i] = pose
         rows["truth_position"][i] = _as_sent(truth.position + truth.wave_position)
+        for name in PROPULSION_TRUTH:
+            rows[f"truth_{name}"][i] = getattr(truth, name)
         rows["estimate_position"][i] = position
         rows["estimate_velocity"][i] = estimate.velocity
         rows["wave_position"][i] = estimate.wave_frequency_position

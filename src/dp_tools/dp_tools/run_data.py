@@ -34,6 +34,7 @@ from marine_model.guards import FloatArray
 #   ventilating  0 or 1     beta_q  1              beta_q2  1    where the drivers look for ventilation
 # True state, where a simulator sailed:
 #   truth_position          m, m, rad       with wave motion, map_ned; at the times of the poses
+#   truth_thrust  N   truth_thrust_loss  1   truth_torque_loss  1   truth_submergence  m   truth_advance_speed  m/s
 WIDTHS: Mapping[str, int] = {
     "pose": 3,
     "estimate_position": 3,
@@ -66,7 +67,14 @@ WIDTHS: Mapping[str, int] = {
     "beta_q2": 0,
     "torque_loss": 0,
     "truth_position": 3,
+    "truth_thrust": 0,
+    "truth_thrust_loss": 0,
+    "truth_torque_loss": 0,
+    "truth_submergence": 0,
+    "truth_advance_speed": 0,
 }
+# Fields of propulsion_truth; their series begin with truth_.
+PROPULSION_TRUTH = ("thrust", "thrust_loss", "torque_loss", "submergence", "advance_speed")
 # Series that are there only while what they tell of is switched on.
 SOMETIMES = frozenset(("ventilating", "beta_q", "beta_q2", "torque_loss"))
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from enum import Enum
 from typing import Any, Self
 
-from dp_msgs.msg import ActuatorSetpoint, ThrusterFeedback
+from dp_msgs.msg import ActuatorSetpoint, PropulsionTruth, ThrusterFeedback
 from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseWithCovarianceStamped, WrenchStamped
 from nav_msgs.msg import Odometry
@@ -110,6 +110,7 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._publish_clock = self.publish_on(Clock, "clock")  # /clock, unless in a namespace
         self._publish_truth = self.publish_on(Odometry, "truth")
         self._publish_environment = self.publish_on(WrenchStamped, "environment_force")
+        self._publish_propulsion = self.publish_on(PropulsionTruth, "propulsion_truth")
         self.listen(ActuatorSetpoint, "actuator_setpoint", self._on_setpoint)
         self._setpoints = next(s for s in self.subscriptions if s.topic_name.endswith("/actuator_setpoint"))
         answer_later(self.create_service(Advance, "~/advance", _take_over), self._on_advance)
@@ -370,6 +371,8 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._truth.header.frame_id = MAP_FRAME
         self._environment = WrenchStamped()
         self._environment.header.frame_id = BODY_FRAME
+        self._propulsion = PropulsionTruth(name=list(self.vessel.thruster_names))
+        self._propulsion.header.frame_id = BODY_FRAME
 
     @staticmethod
     def _set_pose(pose: Any, north: float, east: float, heading: float) -> None:
@@ -413,6 +416,15 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._environment.header.stamp = stamp
         wrench.force.x, wrench.force.y, wrench.torque.z = force
         self._publish_environment.publish(self._environment)
+
+        propulsion = self._propulsion
+        propulsion.header.stamp = stamp
+        propulsion.thrust = _doubles(truth.thrust)
+        propulsion.thrust_loss = _doubles(truth.thrust_loss)
+        propulsion.torque_loss = _doubles(truth.torque_loss)
+        propulsion.submergence = _doubles(truth.submergence)
+        propulsion.advance_speed = _doubles(truth.advance_speed)
+        self._publish_propulsion.publish(propulsion)
 
     def _send_feedback(self) -> None:
         output = self._simulator.output

@@ -245,7 +245,10 @@ def thrusts(scene: Scene, span: Span) -> Picture:
     for j in range(len(run.thrusters)):
         if "shaft_speed" in run:
             measured = measured_thrust(run, vessel)
-            panels.draw(j, measured.t, measured.values[:, j], "measured", style.MEASURED, linewidth=0.8)
+            panels.draw(j, measured.t, measured.values[:, j], "from shaft speed", style.MEASURED, linewidth=0.8)
+        if "truth_thrust" in run:
+            truth = run["truth_thrust"]
+            panels.draw(j, truth.t, truth.values[:, j], "true", style.RAW, linewidth=0.6)
         command = run["thrust_command"]
         panels.draw(
             j,
@@ -264,10 +267,11 @@ def thrusts(scene: Scene, span: Span) -> Picture:
                 panels.level(j, limit, "limit")
     return Picture(
         "Thruster forces",
-        "Thrust along the direction of each thruster; measured from shaft speed. Limits are drawn where a thruster "
+        "Thrust along the direction of each thruster: commanded, what the measured shaft speed stands for in still water, "
+        "and true, with what waves, current and air take. Limits are drawn where a thruster "
         "came near them.",
         panels.image(),
-        "Thrust of every thruster over time: commanded and measured",
+        "Thrust of every thruster over time: commanded, from shaft speed, true",
     )
 
 
@@ -278,6 +282,7 @@ def ventilation(scene: Scene, span: Span) -> Picture:
     panels = scene.panels(tuple(f"{run.thrusters[j].replace('_', ' ')}\n(1)" for j in ventilated), span, height=1.3)
     for row, j in enumerate(ventilated):
         for name, label, color, line in (
+            ("truth_torque_loss", "true", style.DESIRED, {"linewidth": 0.8}),
             ("beta_q", "observed", style.RAW, {"linewidth": 0.6}),
             ("beta_q2", "remembered", style.MEASURED, {"linewidth": 1.2}),
             ("torque_loss", "used by the allocator", style.COMMANDED, {"linewidth": 1.0, "drawstyle": "steps-post"}),
@@ -287,8 +292,9 @@ def ventilation(scene: Scene, span: Span) -> Picture:
         panels.axes[row].set_ylim(0.0, 1.4)
     return Picture(
         "Ventilation: torque loss factors",
-        "Observed propeller torque over that of a propeller without loss (β_Q; waves move it about 1 as well), what is "
-        "remembered of it while a thruster ventilates (β_Q2), and what raises its cost in the allocator.",
+        "True loss to air, once a sample of the control system; observed propeller torque over that of a propeller "
+        "without loss in still water (β_Q; waves move it about 1 as well); what is remembered of it while a thruster "
+        "ventilates (β_Q2), and what raises its cost in the allocator.",
         panels.image(),
         "Torque loss factors of ventilating thrusters over time",
     )
