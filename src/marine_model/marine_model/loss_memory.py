@@ -5,8 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from marine_model.compiled import compiled
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector, positive_number
+
+
+@compiled
+def remembered(ventilating: bool, beta_q: float, held: float, rise: float) -> float:
+    """Return beta_Q2 of one thruster after a step in which it may rise by ``rise``, see :class:`LossMemory`."""
+    target = min(beta_q, 1.0) if ventilating else 1.0
+    return min(target, held + rise)
 
 
 class LossMemory:

@@ -267,9 +267,8 @@ def thrusts(scene: Scene, span: Span) -> Picture:
                 panels.level(j, limit, "limit")
     return Picture(
         "Thruster forces",
-        "Thrust along the direction of each thruster: commanded, what the measured shaft speed stands for in still water, "
-        "and true, with what waves, current and air take. Limits are drawn where a thruster "
-        "came near them.",
+        "Thrust along the direction of each thruster: commanded, what the measured shaft speed stands for in still "
+        "water, and true, with what waves, current and air take. Limits are drawn where a thruster came near them.",
         panels.image(),
         "Thrust of every thruster over time: commanded, from shaft speed, true",
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,19 +11,18 @@ from numpy.typing import NDArray
 from marine_model.errors import InputError
 from marine_model.gains import VentilationGains
 from marine_model.guards import FloatArray, positive_number
-from marine_model.loss_memory import LossMemory
 from marine_model.propulsion import Propulsion
 from thruster_drivers.ventilation import tables
-from thruster_drivers.ventilation.detection import SHAFT_DECELERATION, TORQUE_RATE, detect
+from thruster_drivers.ventilation.detection import SHAFT_DECELERATION, TORQUE_RATE
 from thruster_drivers.ventilation.loss_factor import allowed_noise
 from thruster_drivers.ventilation.settings import VentilationSettings
+from thruster_drivers.ventilation.watch import watch
 
 # A wrong answer of a rate costs a delay, no alarm: two standard deviations of noise, a wrong answer in 44, are enough.
 _DEVIATIONS = 2.0
 
 
-@dataclass(frozen=True, slots=True)
-class VentilationState:
+class VentilationState(NamedTuple):
     """What is known after a feedback; arrays of shape (n,) in the order of the vessel file.
 
     Attributes
@@ -77,19 +76,17 @@ class VentilationMonitor:
         self._sample_time = vessel.measurement.sample_time
         self._time_step = vessel.simulation.time_step
         self._load: FloatArray = np.array(vessel.propellers.torque_per_speed_squared)
+        self._given: FloatArray = np.zeros((3, self._n))
         self._parameters = _parameters(vessel, gains)
         self._state: FloatArray = np.zeros((self._n, tables.STATE))
-        self._state[:, (tables.BETA, tables.BETA_SAMPLED)] = 1.0
-        self._memory = LossMemory(self._n, gains.relax_rate)
+        self._state[:, (tables.BETA, tables.BETA_SAMPLED, tables.REMEMBERED)] = 1.0
         self._beta_column = tables.BETA
         self._method = TORQUE_RATE
         self._on = self._off = math.nan
         self.events: NDArray[np.int64] = np.zeros(self._n, dtype=np.int64)
         """Shape (n,): how often each flag has gone up."""
         self.apply(settings if settings is not None else VentilationSettings())
-        self._detect(
-            self._state[:0], np.zeros(0), np.zeros(0), np.zeros(0), self._time_step
-        )  # machine code now, not later
+        self._watch(self._state[:0], self._given[:, :0].copy(), np.zeros((tables.TOLD, 0)), 1.0)  # machine code, now
 
     @property
     def parameters(self) -> FloatArray:
@@ -146,35 +143,39 @@ class VentilationMonitor:
             If a shape is wrong or ``dt`` is not above 0; nothing has changed then.
         """
         elapsed = positive_number("dt", dt)
-        speed = self._vector("shaft_speed", shaft_speed)
-        motor = self._vector("torque", torque)
-        factor = self._load if load is None else self._vector("load", load)
-        state = self._state
-        before = state[:, tables.FLAG].copy()
-        self._detect(state, factor, speed, motor, elapsed)
-        flag = state[:, tables.FLAG]
-        self.events += flag > before
-        ventilating = flag != 0.0
-        beta = state[:, self._beta_column].copy()
-        lost = state[:, tables.KNOWN] == 0.0
-        observed = state[:, tables.SPEED].copy()
-        propeller = state[:, tables.BETA] * factor * observed * np.abs(observed)
-        if lost.any():
-            observed[lost] = math.nan
-            propeller[lost] = 0.0
+        for name, value in (("shaft_speed", shaft_speed), ("torque", torque), ("load", load)):
+            if value is not None and getattr(value, "shape", None) != (self._n,):
+                raise InputError(f"{name}: expected shape ({self._n},), found {getattr(value, 'shape', value)}")
+        given = self._given
+        given[0] = self._load if load is None else load
+        given[1] = shaft_speed
+        given[2] = torque
+        told: FloatArray = np.empty((tables.TOLD, self._n))
+        self._watch(self._state, given, told, elapsed)
         return VentilationState(
-            ventilating, beta, self._memory.step(ventilating, beta, elapsed), propeller, observed, lost
+            ventilating=told[tables.TOLD_FLAG] != 0.0,
+            beta_q=told[tables.TOLD_BETA],
+            beta_q2=told[tables.TOLD_REMEMBERED],
+            torque=told[tables.TOLD_TORQUE],
+            shaft_speed=told[tables.TOLD_SPEED],
+            lost=told[tables.TOLD_LOST] != 0.0,
         )
 
-    def _detect(self, state: FloatArray, load: FloatArray, speed: FloatArray, torque: FloatArray, dt: float) -> None:
-        parameters, sample_time = self._parameters, self._sample_time
-        detect(parameters, state, load, speed, torque, dt, sample_time, self._method, self._on, self._off)
-
-    def _vector(self, name: str, value: FloatArray) -> FloatArray:
-        array = np.array(value, dtype=np.float64)  # a copy: a read-only array is another type to compiled code
-        if array.shape != (self._n,):
-            raise InputError(f"{name}: expected shape ({self._n},), found {array.shape}")
-        return array
+    def _watch(self, state: FloatArray, given: FloatArray, told: FloatArray, dt: float) -> None:
+        watch(
+            self._parameters[: state.shape[0]],
+            state,
+            given,
+            dt,
+            self._sample_time,
+            self._method,
+            self._beta_column,
+            self._on,
+            self._off,
+            self._gains.relax_rate,
+            self.events,
+            told,
+        )
 
 
 def _parameters(vessel: Propulsion, gains: VentilationGains) -> FloatArray:

@@ -28,8 +28,18 @@ IMPULSE = 8  # N m s, motor torque less friction over it
 NOMINAL = 9  # N m s, nominal propeller torque over it
 START = 10  # Hz, shaft speed at its start
 RATE = 11  # Hz/s, mean rate of shaft speed over the last whole sample
-RING = 12  # (impulse, nominal, shaft speed at the start) of the last whole samples, newest first
+REMEMBERED = 12  # beta_Q2
+RING = 13  # (impulse, nominal, shaft speed at the start) of the last whole samples, newest first
 
 WINDOW = 4  # samples of the control system: what takes longer to tell is not told
 RING_WIDTH = 3
 STATE = RING + WINDOW * RING_WIDTH
+
+# What is told of it after a feedback: rows, a column for each thruster.
+TOLD_FLAG = 0
+TOLD_BETA = 1
+TOLD_REMEMBERED = 2
+TOLD_TORQUE = 3  # N m, observed propeller torque; 0 where a sensor is lost
+TOLD_SPEED = 4  # Hz, observed; NaN where a sensor is lost
+TOLD_LOST = 5
+TOLD = 6
