@@ -41,7 +41,11 @@ from marine_model.ventilation.table import (
 @compiled
 def wetted_area(submergence_ratio: float) -> float:
     """Return beta_area = A_wet / A_0, [Ruth] (2.39): 0 out of the water, 1 when covered."""
-    x = min(1.0, max(-1.0, submergence_ratio))  # the real part of (2.39) beyond these
+    if submergence_ratio >= 1.0:  # beyond these, the real part of (2.39)
+        return 1.0
+    if submergence_ratio <= -1.0:
+        return 0.0
+    x = submergence_ratio
     return max(0.0, 1.0 - math.acos(x) / math.pi + x * math.sqrt(1.0 - x * x) / math.pi)  # not -1e-17
 
 

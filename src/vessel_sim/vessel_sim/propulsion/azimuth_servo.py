@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 from marine_model.compiled import compiled
 
 
 @compiled
 def advance(
-    angle: float, rate: float, demand: float, rate_max: float, time_constant: float, dt: float
+    angle: float, rate: float, demand: float, rate_max: float, time_constant: float, settled: float, dt: float
 ) -> tuple[float, float]:
     """Return angle (rad, not wrapped) and rate (rad/s) after ``dt``.
 
@@ -25,10 +23,11 @@ def advance(
         Limit of the demand either way, and so of the rate, rad/s.
     time_constant
         T, s, above 0.
+    settled
+        1 - exp(-dt / T): the same as long as the steps are.
     dt
         s.
     """
     demand = min(max(demand, -rate_max), rate_max)
     excess = rate - demand
-    settled = -math.expm1(-dt / time_constant)
     return angle + demand * dt + excess * settled * time_constant, demand + excess * (1.0 - settled)

@@ -33,6 +33,8 @@ def advance(
     """
     demand = min(max(demand, low), high)
     error = demand - pitch
+    if error == 0.0:
+        return demand
     near = rate_max * time_constant
     travel = abs(error) - near
     if travel > 0.0:

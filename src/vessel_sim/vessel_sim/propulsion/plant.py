@@ -18,6 +18,9 @@ from vessel_sim.propulsion.tables import PlantTables
 from vessel_sim.waves.hull_form import Triple
 from vessel_sim.waves.sea import Sea
 
+_SET_POINTS = slice(0, columns.ADVANCE_SPEED_INPUT)
+_WATER = slice(columns.ADVANCE_SPEED_INPUT, columns.INPUTS)
+
 
 class PropulsionPlant:
     """Motors, shafts, propellers, azimuth and pitch actuators of n thrusters.
@@ -139,6 +142,7 @@ class PropulsionPlant:
         InputError
             As :meth:`step`; the set points before stay in force then.
         """
+        self._given[_WATER] = self._inputs[_WATER]
         self._take_set_points(torque, azimuth_rate, pitch_ratio)
         bad = first_bad(self.parameters, self._state, self._given, 0, columns.ADVANCE_SPEED_INPUT)
         if bad != GOOD:
@@ -161,7 +165,7 @@ class PropulsionPlant:
 
     def advance(self, advance_speed: FloatArray, submergence: FloatArray, dt: float) -> None:
         """Advance ``state`` by ``dt`` on the set points in force; arguments and errors of :meth:`step`."""
-        self._given[:] = self._inputs
+        self._given[_SET_POINTS] = self._inputs[_SET_POINTS]
         self._take_water(advance_speed, submergence)
         self._move(dt, columns.ADVANCE_SPEED_INPUT)
 
@@ -211,10 +215,11 @@ class PropulsionPlant:
         )
 
     def _take_set_points(self, torque: FloatArray, azimuth_rate: FloatArray, pitch_ratio: FloatArray | None) -> None:
-        self._given[:] = self._inputs
         self._take(columns.TORQUE_INPUT, torque)
         self._take(columns.AZIMUTH_RATE_INPUT, azimuth_rate)
-        if pitch_ratio is not None:
+        if pitch_ratio is None:
+            self._given[columns.PITCH_INPUT] = self._inputs[columns.PITCH_INPUT]
+        else:
             self._take(columns.PITCH_INPUT, pitch_ratio)
 
     def _take_water(self, advance_speed: FloatArray, submergence: FloatArray) -> None:

@@ -19,6 +19,7 @@ from vessel_sim.propulsion.columns import (
     AZIMUTH_RATE,
     AZIMUTH_RATE_INPUT,
     AZIMUTH_RATE_MAX,
+    AZIMUTH_SETTLED,
     AZIMUTH_TIME_CONSTANT,
     CONTROLLABLE,
     DENSITY,
@@ -36,6 +37,7 @@ from vessel_sim.propulsion.columns import (
     PROPELLER_TORQUE,
     SHAFT_SPEED,
     STATIC,
+    STEP,
     SUBMERGENCE,
     SUBMERGENCE_INPUT,
     THRUST,
@@ -61,6 +63,15 @@ def first_bad(parameters: np.ndarray, state: np.ndarray, inputs: np.ndarray, fir
     there is none.
     """
     n: int = inputs.shape[1]
+    bad = False
+    for j in range(first, end):  # without a way out, so that several numbers are looked at at once
+        for i in range(n):
+            bad |= not abs(inputs[j, i]) < math.inf
+    if first <= PITCH_INPUT < end:
+        for i in range(n):
+            bad |= parameters[i, CONTROLLABLE] == 0.0 and inputs[PITCH_INPUT, i] != state[i, PITCH_RATIO]
+    if not bad:
+        return GOOD
     for j in range(first, end):
         for i in range(n):
             if not math.isfinite(inputs[j, i]):
@@ -109,12 +120,16 @@ def advance(
         torque = min(max(inputs[TORQUE_INPUT, i], -limit), limit)
 
         if parameters[i, TURNS] != 0.0:
+            if state[i, STEP] != dt:
+                state[i, STEP] = dt
+                state[i, AZIMUTH_SETTLED] = -math.expm1(-dt / parameters[i, AZIMUTH_TIME_CONSTANT])
             state[i, AZIMUTH], state[i, AZIMUTH_RATE] = azimuth_servo.advance(
                 state[i, AZIMUTH],
                 state[i, AZIMUTH_RATE],
                 inputs[AZIMUTH_RATE_INPUT, i],
                 parameters[i, AZIMUTH_RATE_MAX],
                 parameters[i, AZIMUTH_TIME_CONSTANT],
+                state[i, AZIMUTH_SETTLED],
                 dt,
             )
         pitch_before = pitch = state[i, PITCH_RATIO]
