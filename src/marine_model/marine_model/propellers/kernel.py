@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 
-from marine_model.compiled import compiled
+from marine_model.compiled import compiled, inlined
 from marine_model.guards import FloatArray
 
 PIECEWISE, FOURIER, LINEAR = 0, 1, 2
@@ -48,7 +48,7 @@ CERTAINLY_INSIDE = 0.9
 ROTATION = 0.7 * math.pi  # tangential over n D at 0.7 R, [Ruth] (2.16)
 
 
-@compiled
+@inlined
 def thrust_torque(
     row: FloatArray, diameter: float, density: float, shaft_speed: float, advance_speed: float, pitch_ratio: float
 ) -> tuple[float, float]:
@@ -76,7 +76,7 @@ def thrust_torque(
     return scale * (t0 * square + t1 * cross), scale * diameter * (q0 * square + q1 * cross)
 
 
-@compiled
+@inlined
 def load(
     row: FloatArray, diameter: float, density: float, shaft_speed: float, advance_speed: float, pitch_ratio: float
 ) -> tuple[float, float, float]:
@@ -95,7 +95,7 @@ def load(
     return scale * diameter * q0, scale * q1 * advance_speed, 0.0
 
 
-@compiled
+@inlined
 def tangents(
     row: FloatArray, diameter: float, shaft_speed: float, advance_speed: float, pitch_ratio: float
 ) -> tuple[float, float, float, float]:
@@ -181,14 +181,14 @@ def _fourier_load(
     return c, (a if shaft_speed >= 0.0 else -a), b
 
 
-@compiled
+@inlined
 def _area_pressure(diameter: float, density: float, shaft_speed: float, advance_speed: float) -> float:
     """Return rho A_0 V_inf^2 / 2, N: [Ruth] (2.13), (2.15), (2.16)."""
     rotation = ROTATION * shaft_speed * diameter
     return 0.125 * math.pi * density * diameter**2 * (advance_speed * advance_speed + rotation * rotation)
 
 
-@compiled
+@inlined
 def _advance_number(diameter: float, shaft_speed: float, advance_speed: float) -> float:
     """Return J of [Ruth] (2.11); at n = 0 infinity with the sign of V_A, and 0 where both are 0."""
     if advance_speed == 0.0:
@@ -198,7 +198,7 @@ def _advance_number(diameter: float, shaft_speed: float, advance_speed: float) -
     return math.copysign(math.inf, advance_speed)
 
 
-@compiled
+@inlined
 def _piece(row: FloatArray, breaks: int, pieces: int, at: float) -> int:
     """Return which piece holds ``at``: the first or last one where it lies outside."""
     i = 0
@@ -207,7 +207,7 @@ def _piece(row: FloatArray, breaks: int, pieces: int, at: float) -> int:
     return i
 
 
-@compiled
+@inlined
 def _direction(x: float, y: float) -> tuple[float, float]:
     """Return cosine and sine of the angle of a vector; those of 0 for one of no length."""
     size = max(abs(x), abs(y))
@@ -220,7 +220,7 @@ def _direction(x: float, y: float) -> tuple[float, float]:
     return x / length, y / length
 
 
-@compiled
+@inlined
 def _cubics(
     row: FloatArray, first: int, terms: int, x: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
@@ -235,7 +235,7 @@ def _cubics(
     return t0, t1, t2, t3, q0, q1, q2, q3
 
 
-@compiled
+@inlined
 def _harmonic(row: FloatArray, first: int, terms: int, x: float) -> tuple[float, float, float, float]:
     """Return A_T, B_T, A_Q and B_Q of one harmonic at one pitch ratio."""
     at = first + 4 * (terms - 1)

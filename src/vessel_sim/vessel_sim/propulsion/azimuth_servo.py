@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from marine_model.compiled import compiled
+from marine_model.compiled import inlined
 
 
-@compiled
+@inlined
 def advance(
     angle: float, rate: float, demand: float, rate_max: float, time_constant: float, settled: float, dt: float
 ) -> tuple[float, float]:

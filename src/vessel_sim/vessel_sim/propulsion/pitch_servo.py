@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from marine_model.compiled import compiled
+from marine_model.compiled import inlined
 
 
-@compiled
+@inlined
 def advance(
     pitch: float, demand: float, low: float, high: float, rate_max: float, time_constant: float, dt: float
 ) -> float:

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 
-from marine_model.compiled import compiled
+from marine_model.compiled import compiled, inlined
 
 _TWO_PI = 2.0 * math.pi
 # Below this |z|, S / t = 1 / (1 + z / (3 + z / (5 + ...))) is cut off after 13, and written as a ratio of polynomials. What
@@ -35,7 +35,7 @@ _OVER = (135135.0, 17325.0, 378.0, 1.0)
 _UNDER = (135135.0, 62370.0, 3150.0, 28.0)
 
 
-@compiled
+@inlined
 def advance(
     speed: float, torque: float, inertia: float, c: float, a: float, viscous: float, static: float, dt: float
 ) -> float:
@@ -60,20 +60,17 @@ def advance(
     dt
         s, at least 0.
     """
-    if speed > 0.0 or (speed == 0.0 and torque > static):
-        speed, left = _one_way(speed, torque - static, inertia, c, viscous + a, dt)
-        if left > 0.0 and torque < -static:
-            return -_one_way(0.0, -torque - static, inertia, c, viscous - a, left)[0]
-        return speed
-    if speed < 0.0 or torque < -static:
-        speed, left = _one_way(-speed, -torque - static, inertia, c, viscous - a, dt)
-        if left > 0.0 and torque > static:
-            return _one_way(0.0, torque - static, inertia, c, viscous + a, left)[0]
-        return -speed
-    return 0.0
+    if speed == 0.0 and abs(torque) <= static:
+        return 0.0
+    side = math.copysign(1.0, speed if speed != 0.0 else torque)
+    ahead = side * torque
+    u, left = _one_way(side * speed, ahead - static, inertia, c, viscous + side * a, dt)
+    if left > 0.0 and ahead < -static:
+        return -side * _from_rest(-ahead - static, inertia, c, viscous - side * a, left)
+    return side * u
 
 
-@compiled
+@inlined
 def _one_way(u: float, torque: float, inertia: float, c: float, linear: float, dt: float) -> tuple[float, float]:
     """Return u after ``dt`` and 0, or 0 and the time left after coming to rest. ``u`` >= 0."""
     per_inertia = 1.0 / (_TWO_PI * inertia)
@@ -89,6 +86,11 @@ def _one_way(u: float, torque: float, inertia: float, c: float, linear: float, d
         if above >= 0.0 or p >= 0.0:
             return max(above, 0.0) / (under + (b + k * u) * reach), 0.0
     return _any_length(u, p, b, k, square, dt)
+
+
+@compiled
+def _from_rest(torque: float, inertia: float, c: float, linear: float, dt: float) -> float:
+    return _one_way(0.0, torque, inertia, c, linear, dt)[0]
 
 
 @compiled
