@@ -32,6 +32,11 @@ def inlined(function: F) -> F:
     return _dispatcher(function, forceinline=True)
 
 
+def unlocked(function: F) -> F:
+    """Do what ``compiled`` does, and let other threads run Python meanwhile: for work that is split among threads."""
+    return _dispatcher(function, nogil=True)
+
+
 def _dispatcher(function: F, **options: bool) -> F:
     dispatcher = numba.njit(error_model="numpy", **options)(function)
     dispatcher._cache = _PackageCache(function)

@@ -35,12 +35,13 @@ END = 6  # PIECEWISE: end of the range of J, four coefficients in the pitch rati
 END_IS_ZERO_THRUST = 10  # PIECEWISE: 1 where the end is K_T = 0 and END a first guess of it
 # From here: breaks in pitch ratio (PITCH_PIECES + 1). PIECEWISE: breaks in J (ADVANCE_PIECES + 1), then coefficients
 # by pitch piece, advance piece, power of P/D, (K_T, K_Q), power of J. FOURIER: coefficients by pitch piece, harmonic,
-# power of P/D, (A_T, B_T, A_Q, B_Q). Powers are of the distance from the lower break of the piece. Powers of P/D come
-# before what they are the same for: the processor then works on neighbours at once.
+# power of P/D, (A_T, B_T, A_Q, B_Q). Powers are of the distance from the lower break of the piece. What is read at once
+# lies together.
 BREAKS = 11
 _LINEAR_COEFFICIENTS = BREAKS + 4
 
 ADVANCE_TERMS = 4  # cubic in J
+SPLINE_TERMS = 4  # of a series known at several pitch ratios
 # The guess of the end is good to 2 %: Newton on a cubic that falls there squares that three times, to below rounding.
 END_STEPS = 4
 CERTAINLY_INSIDE = 0.9
@@ -127,14 +128,14 @@ def tangents(
     return t - t1 * advance, t1, q - q1 * advance, q1
 
 
-@compiled
+@inlined
 def fourier(
     row: FloatArray, rotation_speed: float, advance_speed: float, pitch_ratio: float
 ) -> tuple[float, float, float, float]:
     """Return C_T, C_Q, the slope of C_Q over the advance angle, and C_Q without advance speed.
 
-    The advance angle is that of the vector (``rotation_speed``, ``advance_speed``), m/s; 0 at rest. The last value is at
-    0 for angles within 90 deg of it, otherwise at 180 deg.
+    The advance angle is that of the vector (``rotation_speed``, ``advance_speed``), m/s; 0 at rest. The last value is
+    at 0 for angles within 90 deg of it, otherwise at 180 deg.
     """
     pitch = min(max(pitch_ratio, row[PITCH_MIN]), row[PITCH_MAX])
     pitch_pieces, terms, harmonics = int(row[PITCH_PIECES]), int(row[PITCH_TERMS]), int(row[HARMONICS])
@@ -238,6 +239,14 @@ def _cubics(
 @inlined
 def _harmonic(row: FloatArray, first: int, terms: int, x: float) -> tuple[float, float, float, float]:
     """Return A_T, B_T, A_Q and B_Q of one harmonic at one pitch ratio."""
+    if terms == SPLINE_TERMS:  # the same as below, without a loop
+        c = row[first : first + 4 * SPLINE_TERMS]
+        return (
+            c[0] + x * (c[4] + x * (c[8] + x * c[12])),
+            c[1] + x * (c[5] + x * (c[9] + x * c[13])),
+            c[2] + x * (c[6] + x * (c[10] + x * c[14])),
+            c[3] + x * (c[7] + x * (c[11] + x * c[15])),
+        )
     at = first + 4 * (terms - 1)
     a_t, b_t, a_q, b_q = row[at], row[at + 1], row[at + 2], row[at + 3]
     while at > first:

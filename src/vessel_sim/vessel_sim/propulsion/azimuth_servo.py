@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 from marine_model.compiled import inlined
+
+
+@inlined
+def settled_share(time_constant: float, dt: float) -> float:
+    """Return 1 - exp(-dt / T), the share of an error of the rate that is gone after ``dt``."""
+    return -math.expm1(-dt / time_constant)
 
 
 @inlined
@@ -24,7 +32,7 @@ def advance(
     time_constant
         T, s, above 0.
     settled
-        1 - exp(-dt / T): the same as long as the steps are.
+        ``settled_share``: the same for all steps of one length.
     dt
         s.
     """

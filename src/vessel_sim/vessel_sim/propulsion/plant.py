@@ -13,7 +13,8 @@ from marine_model.vessel import Vessel
 from vessel_sim.inflow import Inflow
 from vessel_sim.propulsion import columns
 from vessel_sim.propulsion.in_sea import advance_in_sea
-from vessel_sim.propulsion.step import GOOD, advance, first_bad
+from vessel_sim.propulsion.shared_step import SharedStep
+from vessel_sim.propulsion.step import GOOD, first_bad
 from vessel_sim.propulsion.tables import PlantTables
 from vessel_sim.waves.hull_form import Triple
 from vessel_sim.waves.sea import Sea
@@ -60,6 +61,7 @@ class PropulsionPlant:
         )
         self._state: FloatArray = np.array(tables.start, order="C")
         self._shape = (len(self._names),)
+        self._shared = SharedStep(len(self._names))
         self._inputs: FloatArray = np.zeros((columns.INPUTS, *self._shape))  # in force
         self._inputs[columns.PITCH_INPUT] = self._state[:, columns.PITCH_RATIO]
         self._given = self._inputs.copy()  # not looked at yet
@@ -69,6 +71,18 @@ class PropulsionPlant:
     def names(self) -> tuple[str, ...]:
         """Names of the thrusters."""
         return self._names
+
+    @property
+    def threads(self) -> int:
+        """Threads that share a step, at first as many as there are processors, 1 for few thrusters.
+
+        Results do not depend on it.
+        """
+        return self._shared.threads
+
+    @threads.setter
+    def threads(self, threads: int) -> None:
+        self._shared = SharedStep(len(self._names), threads)
 
     @property
     def parameters(self) -> FloatArray:
@@ -239,7 +253,7 @@ class PropulsionPlant:
         if not self._flooded:
             self._state[:, columns.ADVANCE_SPEED] = self._given[columns.ADVANCE_SPEED_INPUT]
             self._state[:, columns.SUBMERGENCE] = self._given[columns.SUBMERGENCE_INPUT]
-        bad = advance(*self._tables, self._state, self._given, unchecked, self.ventilation, dt)
+        bad = self._shared.advance(self._tables, self._state, self._given, unchecked, self.ventilation, dt)
         if bad != GOOD:
             self._refuse(bad)
         self._flooded = True

@@ -28,8 +28,8 @@ import math
 from marine_model.compiled import compiled, inlined
 
 _TWO_PI = 2.0 * math.pi
-# Below this |z|, S / t = 1 / (1 + z / (3 + z / (5 + ...))) is cut off after 13, and written as a ratio of polynomials. What
-# is left out is below 3e-16 of it.
+# Below this |z|, S / t = 1 / (1 + z / (3 + z / (5 + ...))) is cut off after 13, and written as a ratio of polynomials.
+# What is left out is below 3e-16 of it.
 _SHORT = 0.25
 _OVER = (135135.0, 17325.0, 378.0, 1.0)
 _UNDER = (135135.0, 62370.0, 3150.0, 28.0)

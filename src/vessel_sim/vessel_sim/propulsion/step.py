@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from marine_model.compiled import compiled
+from marine_model.compiled import compiled, unlocked
 from marine_model.propellers.kernel import load, thrust_torque
 from marine_model.ventilation.dynamic import limited_rise
 from marine_model.ventilation.static import loss_factors
@@ -111,9 +111,25 @@ def advance(
         s, at least 0.
     """
     bad = first_bad(parameters, state, inputs, unchecked, INPUTS)
-    if bad != GOOD:
-        return bad
-    for i in range(state.shape[0]):
+    if bad == GOOD:
+        advance_rows(parameters, propellers, ventilation, state, inputs, ventilates, dt, 0, state.shape[0])
+    return bad
+
+
+@compiled
+def advance_rows(
+    parameters: np.ndarray,
+    propellers: np.ndarray,
+    ventilation: np.ndarray,
+    state: np.ndarray,
+    inputs: np.ndarray,
+    ventilates: bool,
+    dt: float,
+    first: int,
+    end: int,
+) -> None:
+    """Advance rows ``first`` to ``end`` - 1 of ``state``; see ``advance``. ``inputs`` are good."""
+    for i in range(first, end):
         row = propellers[int(parameters[i, PROPELLER])]
         diameter, density = parameters[i, DIAMETER], parameters[i, DENSITY]
         limit = parameters[i, TORQUE_MAX]
@@ -122,7 +138,7 @@ def advance(
         if parameters[i, TURNS] != 0.0:
             if state[i, STEP] != dt:
                 state[i, STEP] = dt
-                state[i, AZIMUTH_SETTLED] = -math.expm1(-dt / parameters[i, AZIMUTH_TIME_CONSTANT])
+                state[i, AZIMUTH_SETTLED] = azimuth_servo.settled_share(parameters[i, AZIMUTH_TIME_CONSTANT], dt)
             state[i, AZIMUTH], state[i, AZIMUTH_RATE] = azimuth_servo.advance(
                 state[i, AZIMUTH],
                 state[i, AZIMUTH_RATE],
@@ -193,4 +209,19 @@ def advance(
         state[i, PROPELLER_TORQUE] = area * torque_wetted * propeller_torque
         state[i, ADVANCE_SPEED] = flow
         state[i, SUBMERGENCE] = depth
-    return GOOD
+
+
+@unlocked
+def advance_rows_unlocked(
+    parameters: np.ndarray,
+    propellers: np.ndarray,
+    ventilation: np.ndarray,
+    state: np.ndarray,
+    inputs: np.ndarray,
+    ventilates: bool,
+    dt: float,
+    first: int,
+    end: int,
+) -> None:
+    """Do what ``advance_rows`` does, beside other threads."""
+    advance_rows(parameters, propellers, ventilation, state, inputs, ventilates, dt, first, end)
