@@ -146,7 +146,7 @@ def _from_python(tables: PlantTables, i: int, own: _Inputs) -> float:
     in_python = advance.py_func  # type: ignore[attr-defined]
     begin = time.perf_counter()
     for _ in range(_SCALAR_CALLS):
-        in_python(tables.parameters[row], tables.propellers, tables.ventilation, state, inputs, 0, True, _STEP)
+        in_python(tables.parameters[row], tables.propellers, tables.ventilation, state, inputs, inputs, 0, True, _STEP)
     return (time.perf_counter() - begin) / _SCALAR_CALLS
 
 

@@ -158,7 +158,7 @@ class PropulsionPlant:
         """
         self._given[_WATER] = self._inputs[_WATER]
         self._take_set_points(torque, azimuth_rate, pitch_ratio)
-        bad = first_bad(self.parameters, self._state, self._given, 0, columns.ADVANCE_SPEED_INPUT)
+        bad = first_bad(self.parameters, self._state, self._given, self._inputs, 0, columns.ADVANCE_SPEED_INPUT)
         if bad != GOOD:
             self._refuse(bad)
         self._accept()
@@ -173,7 +173,9 @@ class PropulsionPlant:
         """
         self._given[:] = self._inputs
         self._take(columns.PITCH_INPUT, pitch_ratio)
-        bad = first_bad(self.parameters, self._state, self._given, columns.PITCH_INPUT, columns.PITCH_INPUT + 1)
+        bad = first_bad(
+            self.parameters, self._state, self._given, self._inputs, columns.PITCH_INPUT, columns.PITCH_INPUT + 1
+        )
         if bad != GOOD:
             self._refuse(bad)
 
@@ -253,7 +255,9 @@ class PropulsionPlant:
         if not self._flooded:
             self._state[:, columns.ADVANCE_SPEED] = self._given[columns.ADVANCE_SPEED_INPUT]
             self._state[:, columns.SUBMERGENCE] = self._given[columns.SUBMERGENCE_INPUT]
-        bad = self._shared.advance(self._tables, self._state, self._given, unchecked, self.ventilation, dt)
+        bad = self._shared.advance(
+            self._tables, self._state, self._given, self._inputs, unchecked, self.ventilation, dt
+        )
         if bad != GOOD:
             self._refuse(bad)
         self._flooded = True

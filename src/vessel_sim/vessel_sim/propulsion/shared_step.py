@@ -38,14 +38,15 @@ class SharedStep:
         tables: tuple[FloatArray, FloatArray, FloatArray],
         state: FloatArray,
         inputs: FloatArray,
+        before: FloatArray,
         unchecked: int,
         ventilates: bool,
         dt: float,
     ) -> int:
         """Advance ``state``; see ``step.advance``."""
         if self.threads <= 1:
-            return advance(*tables, state, inputs, unchecked, ventilates, dt)
-        bad = first_bad(tables[0], state, inputs, unchecked, INPUTS)
+            return advance(*tables, state, inputs, before, unchecked, ventilates, dt)
+        bad = first_bad(tables[0], state, inputs, before, unchecked, INPUTS)
         if bad != GOOD:
             return bad
         portions = iter(range(0, self._rows, _PORTION))

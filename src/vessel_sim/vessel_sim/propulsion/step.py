@@ -56,11 +56,13 @@ GOOD = -1
 
 
 @compiled
-def first_bad(parameters: np.ndarray, state: np.ndarray, inputs: np.ndarray, first: int, end: int) -> int:
+def first_bad(
+    parameters: np.ndarray, state: np.ndarray, inputs: np.ndarray, before: np.ndarray, first: int, end: int
+) -> int:
     """Return row times n plus column of the first input in rows ``first`` to ``end`` - 1 that cannot be taken.
 
     That is a number that is not finite, or another pitch than its own for a propeller of fixed pitch; ``GOOD`` if
-    there is none.
+    there is none. ``before`` are the inputs that were good last.
     """
     n: int = inputs.shape[1]
     bad = False
@@ -69,7 +71,8 @@ def first_bad(parameters: np.ndarray, state: np.ndarray, inputs: np.ndarray, fir
             bad |= not abs(inputs[j, i]) < math.inf
     if first <= PITCH_INPUT < end:
         for i in range(n):
-            bad |= parameters[i, CONTROLLABLE] == 0.0 and inputs[PITCH_INPUT, i] != state[i, PITCH_RATIO]
+            if inputs[PITCH_INPUT, i] != before[PITCH_INPUT, i]:  # few: tables are read for those alone
+                bad |= parameters[i, CONTROLLABLE] == 0.0
     if not bad:
         return GOOD
     for j in range(first, end):
@@ -88,6 +91,7 @@ def advance(
     ventilation: np.ndarray,
     state: np.ndarray,
     inputs: np.ndarray,
+    before: np.ndarray,
     unchecked: int,
     ventilates: bool,
     dt: float,
@@ -103,6 +107,8 @@ def advance(
         See ``PlantTables``; ``state`` is changed.
     inputs
         Shape (INPUTS, n): set points held over the step, and the water at its end.
+    before
+        The inputs that were good last.
     unchecked
         First row of ``inputs`` to look at with ``first_bad``.
     ventilates
@@ -110,7 +116,7 @@ def advance(
     dt
         s, at least 0.
     """
-    bad = first_bad(parameters, state, inputs, unchecked, INPUTS)
+    bad = first_bad(parameters, state, inputs, before, unchecked, INPUTS)
     if bad == GOOD:
         advance_rows(parameters, propellers, ventilation, state, inputs, ventilates, dt, 0, state.shape[0])
     return bad
