@@ -11,6 +11,7 @@ from benchmarks.mixed_propellers import with_every_model
 from benchmarks.plan import Plan
 from benchmarks.result import Aim, Result
 from benchmarks.statistics import Summary, summarize
+from benchmarks.threads import Threads
 from marine_model import load_vessel
 from marine_model.guards import FloatArray
 from vessel_sim.propulsion import PlantTables, PropulsionPlant, columns
@@ -73,7 +74,8 @@ def _measure(name: str, tables: PlantTables, kinds: int, plan: Plan) -> list[Res
     sea = _random_sea(tables, blocks)
     everyone = slice(0, count)
     fleet, one_thread = PropulsionPlant.from_tables(tables), PropulsionPlant.from_tables(tables)
-    one_thread.threads = 1
+    threads = Threads()
+    fleet.spread = threads
     singles = [PropulsionPlant.from_tables(tables.rows([i])) for i in range(kinds)]
     for plant in (fleet, one_thread):
         plant.step(*sea.at(0, everyone), _STEP)  # machine code is made or loaded
@@ -98,6 +100,7 @@ def _measure(name: str, tables: PlantTables, kinds: int, plan: Plan) -> list[Res
                 single.step(*own, _STEP)
             alone.append((time.perf_counter() - begin) / (_SINGLE_CALLS + 1))
             scalar.append(_from_python(tables, i, own))
+    threads.close()
     one, other, functions = summarize(together), summarize(alone), summarize(scalar)
     by_itself = summarize(in_one_thread)
     return [
@@ -108,7 +111,7 @@ def _measure(name: str, tables: PlantTables, kinds: int, plan: Plan) -> list[Res
             "the call for one thruster",
             1e9 * other.median,
             _AIM if name == _OWN else None,
-            f"{count} thrusters in a step, {fleet.threads} threads, ventilation on; {_spread(one)}; "
+            f"{count} thrusters in a step, {threads.count} threads, ventilation on; {_spread(one)}; "
             f"one thruster {_spread(other)}",
         ),
         Result(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import threading
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -213,7 +215,16 @@ def test_the_number_of_threads_changes_no_bit(count: int, threads: int) -> None:
     draw = np.random.default_rng(5)
     tables = TABLES.rows(np.resize(range(N), count))
     alone, shared = PropulsionPlant.from_tables(tables), PropulsionPlant.from_tables(tables)
-    alone.threads, shared.threads = 1, threads
+
+    def spread(work: Callable[[], None]) -> None:
+        helpers = [threading.Thread(target=work) for _ in range(threads - 1)]
+        for helper in helpers:
+            helper.start()
+        work()
+        for helper in helpers:
+            helper.join()
+
+    shared.spread = spread
     limit = tables.parameters[:, columns.TORQUE_MAX]
     for _ in range(5):
         inputs = (

@@ -13,7 +13,7 @@ from marine_model.vessel import Vessel
 from vessel_sim.inflow import Inflow
 from vessel_sim.propulsion import columns
 from vessel_sim.propulsion.in_sea import advance_in_sea
-from vessel_sim.propulsion.shared_step import SharedStep
+from vessel_sim.propulsion.shared_step import Spread, advance_shared
 from vessel_sim.propulsion.step import GOOD, first_bad
 from vessel_sim.propulsion.tables import PlantTables
 from vessel_sim.waves.hull_form import Triple
@@ -38,6 +38,9 @@ class PropulsionPlant:
     ventilation
         False: propellers lose nothing to air, from the next step on. Where a vessel has no section ``ventilation``
         they never do.
+    spread
+        Runs a function at the same time in as many threads as it has, and returns when all are done: more than 1,000
+        thrusters are shared among them. None: the thread of the caller works alone. Results are the same.
     """
 
     def __init__(self, vessel: Vessel) -> None:
@@ -52,6 +55,7 @@ class PropulsionPlant:
 
     def _set_up(self, tables: PlantTables) -> None:
         self.ventilation = True
+        self.spread: Spread | None = None
         self._names = tables.names
         # Copies: writable and contiguous, so that there is one compiled version of the step.
         self._tables: tuple[FloatArray, FloatArray, FloatArray] = (
@@ -61,7 +65,6 @@ class PropulsionPlant:
         )
         self._state: FloatArray = np.array(tables.start, order="C")
         self._shape = (len(self._names),)
-        self._shared = SharedStep(len(self._names))
         self._inputs: FloatArray = np.zeros((columns.INPUTS, *self._shape))  # in force
         self._inputs[columns.PITCH_INPUT] = self._state[:, columns.PITCH_RATIO]
         self._given = self._inputs.copy()  # not looked at yet
@@ -71,18 +74,6 @@ class PropulsionPlant:
     def names(self) -> tuple[str, ...]:
         """Names of the thrusters."""
         return self._names
-
-    @property
-    def threads(self) -> int:
-        """Threads that share a step, at first as many as there are processors, 1 for few thrusters.
-
-        Results do not depend on it.
-        """
-        return self._shared.threads
-
-    @threads.setter
-    def threads(self, threads: int) -> None:
-        self._shared = SharedStep(len(self._names), threads)
 
     @property
     def parameters(self) -> FloatArray:
@@ -255,8 +246,8 @@ class PropulsionPlant:
         if not self._flooded:
             self._state[:, columns.ADVANCE_SPEED] = self._given[columns.ADVANCE_SPEED_INPUT]
             self._state[:, columns.SUBMERGENCE] = self._given[columns.SUBMERGENCE_INPUT]
-        bad = self._shared.advance(
-            self._tables, self._state, self._given, self._inputs, unchecked, self.ventilation, dt
+        bad = advance_shared(
+            self.spread, self._tables, self._state, self._given, self._inputs, unchecked, self.ventilation, dt
         )
         if bad != GOOD:
             self._refuse(bad)
