@@ -11,6 +11,7 @@ from benchmarks.mixed_propellers import with_every_model
 from benchmarks.plan import Plan
 from benchmarks.result import Aim, Result
 from benchmarks.statistics import Summary, summarize
+from benchmarks.threads import Threads
 from marine_model import load_vessel
 from marine_model.guards import FloatArray
 from vessel_sim.propulsion import PlantTables, PropulsionPlant, columns
@@ -23,6 +24,7 @@ _FLOWS = (-0.3, 0.6)  # m/s
 _SINGLE_CALLS = 50  # of one thruster after another, a block
 _SCALAR_CALLS = 10
 _COMPARED = 10  # steps, thruster by thruster
+_OWN = "own"  # the thrusters of the vessel as they are: what the aim is for
 _AIM = Aim("ratio", "<=", 1.0 / 50.0)
 _Inputs = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 _SAME = Aim("value", "<=", 1e-12)
@@ -50,15 +52,17 @@ class _Sea:
 
 
 def measure_propulsion(plan: Plan) -> list[Result]:
-    """Measure every propeller model by itself and all together, ventilation on."""
-    tables = PlantTables.of(with_every_model(load_vessel(plan.vessel)))
+    """Measure the thrusters of the vessel, every propeller model by itself and all together, ventilation on."""
+    vessel = load_vessel(plan.vessel)
+    own, tables = PlantTables.of(vessel), PlantTables.of(with_every_model(vessel))
     kinds = len(tables.names)
-    choices: list[tuple[str, list[int]]] = [("mixed", list(range(kinds)))]
+    everyone = list(range(kinds))
+    choices: list[tuple[str, PlantTables, list[int]]] = [(_OWN, own, everyone), ("mixed", tables, everyone)]
     models = ("bollard", "wageningen_b", "tabulated", "four_quadrant")
-    choices += [(name, [i for i in range(kinds) if i % len(models) == k]) for k, name in enumerate(models)]
+    choices += [(name, tables, everyone[k :: len(models)]) for k, name in enumerate(models)]
     results = []
-    for done, (name, members) in enumerate(choices):
-        many = tables.rows(np.resize(members, plan.propulsion_thrusters))
+    for done, (name, rows, members) in enumerate(choices):
+        many = rows.rows(np.resize(members, plan.propulsion_thrusters))
         results += _measure(name, many, len(members), plan)
         plan.progress(done + 1, len(choices))
     return results
@@ -69,18 +73,24 @@ def _measure(name: str, tables: PlantTables, kinds: int, plan: Plan) -> list[Res
     blocks = plan.propulsion_blocks
     sea = _random_sea(tables, blocks)
     everyone = slice(0, count)
-    fleet = PropulsionPlant.from_tables(tables)
+    fleet, one_thread = PropulsionPlant.from_tables(tables), PropulsionPlant.from_tables(tables)
+    threads = Threads()
+    fleet.spread = threads
     singles = [PropulsionPlant.from_tables(tables.rows([i])) for i in range(kinds)]
-    fleet.step(*sea.at(0, everyone), _STEP)  # machine code is made or loaded
+    for plant in (fleet, one_thread):
+        plant.step(*sea.at(0, everyone), _STEP)  # machine code is made or loaded
     for i, single in enumerate(singles):
         single.step(*sea.at(0, slice(i, i + 1)), _STEP)
         _from_python(tables, i, sea.at(0, slice(i, i + 1)))
-    together, alone, scalar = [], [], []
+    together: list[float] = []
+    in_one_thread: list[float] = []
+    alone, scalar = [], []
     for k in range(1, blocks):
         inputs = sea.at(k, everyone)
-        begin = time.perf_counter()
-        fleet.step(*inputs, _STEP)
-        together.append((time.perf_counter() - begin) / count)
+        for plant, times in ((fleet, together), (one_thread, in_one_thread)):
+            begin = time.perf_counter()
+            plant.step(*inputs, _STEP)
+            times.append((time.perf_counter() - begin) / count)
         # In turn with the step of all: other work on the machine slows both down.
         for i, single in enumerate(singles):
             own = sea.at(k, slice(i, i + 1))
@@ -90,7 +100,9 @@ def _measure(name: str, tables: PlantTables, kinds: int, plan: Plan) -> list[Res
                 single.step(*own, _STEP)
             alone.append((time.perf_counter() - begin) / (_SINGLE_CALLS + 1))
             scalar.append(_from_python(tables, i, own))
+    threads.close()
     one, other, functions = summarize(together), summarize(alone), summarize(scalar)
+    by_itself = summarize(in_one_thread)
     return [
         Result(
             f"propulsion_step_{name}",
@@ -98,8 +110,18 @@ def _measure(name: str, tables: PlantTables, kinds: int, plan: Plan) -> list[Res
             "ns a thruster",
             "the call for one thruster",
             1e9 * other.median,
-            _AIM,
-            f"{count} thrusters in a step, ventilation on; {_spread(one)}; one thruster {_spread(other)}",
+            _AIM if name == _OWN else None,
+            f"{count} thrusters in a step, {threads.count} threads, ventilation on; {_spread(one)}; "
+            f"one thruster {_spread(other)}",
+        ),
+        Result(
+            f"propulsion_step_{name}_in_one_thread",
+            1e9 * by_itself.median,
+            "ns a thruster",
+            "the call for one thruster",
+            1e9 * other.median,
+            None,
+            f"the same in the thread of the caller alone; {_spread(by_itself)}",
         ),
         Result(
             f"propulsion_step_{name}_against_functions",
@@ -127,7 +149,7 @@ def _from_python(tables: PlantTables, i: int, own: _Inputs) -> float:
     in_python = advance.py_func  # type: ignore[attr-defined]
     begin = time.perf_counter()
     for _ in range(_SCALAR_CALLS):
-        in_python(tables.parameters[row], tables.propellers, tables.ventilation, state, inputs, 0, True, _STEP)
+        in_python(tables.parameters[row], tables.propellers, tables.ventilation, state, inputs, inputs, 0, True, _STEP)
     return (time.perf_counter() - begin) / _SCALAR_CALLS
 
 

@@ -21,7 +21,24 @@ def compiled(function: F) -> F:
     infinity or NaN, as numpy does, and raises nothing; floating-point operations are not reordered, so that results
     are the same in every process. ``function.py_func`` is the plain Python function.
     """
-    dispatcher = numba.njit(error_model="numpy")(function)
+    return _dispatcher(function)
+
+
+def inlined(function: F) -> F:
+    """Do what ``compiled`` does, and put the machine code into that of every function that calls it.
+
+    For small functions in a hot loop: numba hands over an array as seven numbers.
+    """
+    return _dispatcher(function, forceinline=True)
+
+
+def unlocked(function: F) -> F:
+    """Do what ``compiled`` does, and let other threads run Python meanwhile: for work that is split among threads."""
+    return _dispatcher(function, nogil=True)
+
+
+def _dispatcher(function: F, **options: bool) -> F:
+    dispatcher = numba.njit(error_model="numpy", **options)(function)
     dispatcher._cache = _PackageCache(function)
     return cast("F", dispatcher)
 

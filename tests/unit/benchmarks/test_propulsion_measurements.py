@@ -13,7 +13,7 @@ from marine_model.propellers import PropellerModel
 
 def test_every_model_is_measured_and_all_agree(tmp_path: Path) -> None:
     rows = {row.name: row for row in measure_propulsion(quick(tmp_path))}
-    for model in ("mixed", "bollard", "wageningen_b", "tabulated", "four_quadrant"):
+    for model in ("own", "mixed", "bollard", "wageningen_b", "tabulated", "four_quadrant"):
         step = rows[f"propulsion_step_{model}"]
         assert step.value > 0.0
         assert step.peer_value is not None
@@ -21,6 +21,8 @@ def test_every_model_is_measured_and_all_agree(tmp_path: Path) -> None:
         assert step.value < step.peer_value
         assert rows[f"propulsion_agreement_{model}"].value <= 1e-12
         assert rows[f"propulsion_agreement_{model}"].met
+        assert rows[f"propulsion_step_{model}_in_one_thread"].value > 0.0
+        assert (step.aim is not None) == (model == "own")
 
 
 def test_the_mixed_vessel_has_every_model() -> None:

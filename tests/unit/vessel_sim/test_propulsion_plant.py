@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import threading
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from benchmarks.mixed_propellers import with_every_model
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
 from marine_model.propellers.sections import BollardData
+from marine_model.thruster import AzimuthThruster
 from vessel_sim.propulsion import PlantTables, PropulsionPlant, columns
 
 Array = NDArray[np.float64]
@@ -204,6 +207,55 @@ def test_every_row_is_a_plant_of_its_own(seed: int) -> None:
         for i, single in enumerate(singles):
             single.step(**{name: values[i : i + 1] for name, values in inputs.items()}, dt=0.1)
             assert single.state[0].tolist() == fleet.state[i].tolist()
+
+
+@pytest.mark.parametrize("count", [1, 999, 3500])
+@pytest.mark.parametrize("threads", [2, 3])
+def test_the_number_of_threads_changes_no_bit(count: int, threads: int) -> None:
+    draw = np.random.default_rng(5)
+    tables = TABLES.rows(np.resize(range(N), count))
+    alone, shared = PropulsionPlant.from_tables(tables), PropulsionPlant.from_tables(tables)
+
+    def spread(work: Callable[[], None]) -> None:
+        helpers = [threading.Thread(target=work) for _ in range(threads - 1)]
+        for helper in helpers:
+            helper.start()
+        work()
+        for helper in helpers:
+            helper.join()
+
+    shared.spread = spread
+    limit = tables.parameters[:, columns.TORQUE_MAX]
+    for _ in range(5):
+        inputs = (
+            draw.uniform(-1.0, 1.0, count) * limit,
+            draw.uniform(-1.5, 1.5, count),
+            None,
+            draw.uniform(-0.5, 0.5, count),
+            draw.uniform(-0.1, 0.5, count),
+        )
+        for plant in (alone, shared):
+            plant.step(*inputs, 0.02)
+        np.testing.assert_array_equal(shared.state, alone.state)
+    assert alone.state[:, columns.SHAFT_SPEED].any()
+    bad = np.zeros(count)
+    bad[-1] = math.nan
+    with pytest.raises(InputError, match="advance_speed: expected finite numbers, found nan"):
+        shared.step(*inputs[:3], bad, inputs[4], 0.02)
+    np.testing.assert_array_equal(shared.state, alone.state)
+
+
+def test_steps_of_changing_length() -> None:
+    """What depends on the length of a step alone is kept from step to step, and made anew for another length."""
+    plant = PropulsionPlant(VESSEL)
+    rate = 0.5
+    for dt in (0.02, 0.02, 0.1, 0.0, 0.02):
+        plant.step(STILL, np.full(N, rate), None, STILL, DEEP, dt)
+    for i, thruster in enumerate(VESSEL.thrusters):
+        if isinstance(thruster, AzimuthThruster):
+            # 0.16 s in all, with one demand: a first-order lag from rest.
+            expected = rate * (1.0 - math.exp(-0.16 / thruster.azimuth_drive.time_constant))
+            assert plant.state[i, columns.AZIMUTH_RATE] == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_step_of_no_length_changes_nothing_but_the_water() -> None:

@@ -179,6 +179,28 @@ def test_two_steps_are_one_step(
     )
 
 
+@pytest.mark.parametrize("z", [0.25, -0.25])
+def test_no_jump_where_the_short_form_ends(z: float) -> None:
+    """s^2 t^2 = z is where the ratio of polynomials hands over to roots and exponentials."""
+    angular, speed = 2.0 * math.pi * INERTIA, 20.0
+    # s^2 = (c / 2 pi J) (Q / 2 pi J) without linear load.
+    edge = math.sqrt(abs(z) * angular**2 / (LOAD * 0.05))
+    torque = math.copysign(0.05, z)
+    below, above = (turn(speed, torque, edge * (1.0 + e)) for e in (-1e-9, 1e-9))
+    at_most = (0.05 + LOAD * speed**2) / angular * 2e-9 * edge  # what the shaft speed changes by meanwhile
+    assert abs(above - below) <= at_most + 1e-14 * speed
+    # The closed forms of a shaft under constant torque.
+    balance, x = math.sqrt(0.05 / LOAD), math.sqrt(abs(z))
+    if z > 0.0:
+        expected = balance * math.tanh(math.atanh(balance / speed) + x) ** -1
+    else:
+        expected = balance * math.tan(math.atan(speed / balance) - x)
+    assert below == pytest.approx(expected, rel=1e-8)
+    assert turn(speed, torque, 0.999 * edge) == pytest.approx(
+        turn(turn(speed, torque, 0.5 * edge), torque, 0.499 * edge), rel=1e-13
+    )
+
+
 @given(speed=speeds, torque=torques, load=loads, friction=frictions, dt=durations)
 def test_mirror_image(
     speed: float, torque: float, load: tuple[float, float], friction: tuple[float, float], dt: float

@@ -197,7 +197,7 @@ class FirstQuadrantModel(PropellerModel):
         head[PITCH_MAX + 1 : END] = len(pitch_breaks) - 1, coefficients.shape[-1], len(advance_breaks) - 1
         head[END : END + 4] = end
         head[END + 4] = float(end_is_zero_thrust)
-        return np.concatenate([head, pitch_breaks, advance_breaks, coefficients.ravel()])
+        return np.concatenate([head, pitch_breaks, advance_breaks, np.moveaxis(coefficients, -1, 2).ravel()])
 
 
 def _finite(name: str, value: ArrayLike) -> FloatArray:

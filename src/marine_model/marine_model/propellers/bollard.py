@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_number, positive_number
 from marine_model.propellers.base import FirstQuadrantModel
+from marine_model.propellers.kernel import KIND, LINEAR
 
 
 class BollardPropeller(FirstQuadrantModel):
@@ -58,7 +59,9 @@ class BollardPropeller(FirstQuadrantModel):
         coefficients = np.zeros((1, 1, 2, 4, 1))
         coefficients[0, 0, :, 0, 0] = self._at_rest
         coefficients[0, 0, :, 1, 0] = self._slope
-        return self._packed(np.zeros(2), np.zeros(2), coefficients, (self._end, 0.0, 0.0, 0.0))
+        row = self._packed(np.zeros(2), np.zeros(2), coefficients, (self._end, 0.0, 0.0, 0.0))
+        row[KIND] = LINEAR
+        return row
 
     def _coefficients(self, advance_number: FloatArray, pitch_ratio: FloatArray) -> tuple[FloatArray, FloatArray]:
         thrust, torque = (k + slope * advance_number for k, slope in zip(self._at_rest, self._slope, strict=True))

@@ -79,11 +79,11 @@ class FourQuadrantPropeller(PropellerModel):
 
     def row(self) -> FloatArray:
         """Return the series, their coefficients as polynomials in the pitch ratio."""
-        pieces = self._interpolation.pieces(np.moveaxis(self._series, 0, 1))  # pitch piece, series, harmonic, term
+        pieces = self._interpolation.pieces(np.moveaxis(self._series, 0, 2))  # pitch piece, harmonic, series, term
         head = np.zeros(BREAKS)
         head[[KIND, PITCH_MIN, PITCH_MAX]] = FOURIER, *self._pitch_limits
         head[PITCH_MAX + 1 : HARMONICS + 1] = len(pieces), pieces.shape[-1], self._series.shape[-1]
-        return np.concatenate([head, self._interpolation.breaks, pieces.ravel()])
+        return np.concatenate([head, self._interpolation.breaks, np.moveaxis(pieces, -1, 2).ravel()])
 
     def _coefficients(self, advance_number: FloatArray, pitch_ratio: FloatArray) -> tuple[FloatArray, FloatArray]:
         thrust, torque = self._at(advance_angle_of(advance_number), pitch_ratio)

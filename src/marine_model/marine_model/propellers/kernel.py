@@ -3,6 +3,7 @@
 Two kinds of row are enough for all models. ``PIECEWISE``: K_T and K_Q are polynomials in advance number and pitch
 ratio, piece by piece; bollard and linear propellers, the Wageningen B-series and tables are that exactly. ``FOURIER``:
 C_T and C_Q are Fourier series of the advance angle. In both, the pitch ratio is held to the range of the model.
+``LINEAR`` is a ``PIECEWISE`` row of one piece that is linear in the advance number at one pitch: it is its own tangent.
 
 A first-quadrant model (``PIECEWISE``) goes on outside its range: below J = 0 along its tangent at 0, beyond the end
 along the tangent there, and for n < 0 by odd symmetry, T(n, V_A) = -T(-n, -V_A). With intercept k0 and slope k1 of the
@@ -17,10 +18,10 @@ from __future__ import annotations
 
 import math
 
-from marine_model.compiled import compiled
+from marine_model.compiled import compiled, inlined
 from marine_model.guards import FloatArray
 
-PIECEWISE, FOURIER = 0, 1
+PIECEWISE, FOURIER, LINEAR = 0, 1, 2
 
 # Columns of a row.
 KIND = 0
@@ -33,11 +34,14 @@ HARMONICS = 5  # FOURIER: with the constant term
 END = 6  # PIECEWISE: end of the range of J, four coefficients in the pitch ratio
 END_IS_ZERO_THRUST = 10  # PIECEWISE: 1 where the end is K_T = 0 and END a first guess of it
 # From here: breaks in pitch ratio (PITCH_PIECES + 1). PIECEWISE: breaks in J (ADVANCE_PIECES + 1), then coefficients
-# by pitch piece, advance piece, (K_T, K_Q), power of J, power of P/D. FOURIER: coefficients by pitch piece,
-# (A_T, B_T, A_Q, B_Q), harmonic, power of P/D. Powers are of the distance from the lower break of the piece.
+# by pitch piece, advance piece, power of P/D, (K_T, K_Q), power of J. FOURIER: coefficients by pitch piece, harmonic,
+# power of P/D, (A_T, B_T, A_Q, B_Q). Powers are of the distance from the lower break of the piece. What is read at once
+# lies together.
 BREAKS = 11
+_LINEAR_COEFFICIENTS = BREAKS + 4
 
 ADVANCE_TERMS = 4  # cubic in J
+SPLINE_TERMS = 4  # of a series known at several pitch ratios
 # The guess of the end is good to 2 %: Newton on a cubic that falls there squares that three times, to below rounding.
 END_STEPS = 4
 CERTAINLY_INSIDE = 0.9
@@ -45,7 +49,7 @@ CERTAINLY_INSIDE = 0.9
 ROTATION = 0.7 * math.pi  # tangential over n D at 0.7 R, [Ruth] (2.16)
 
 
-@compiled
+@inlined
 def thrust_torque(
     row: FloatArray, diameter: float, density: float, shaft_speed: float, advance_speed: float, pitch_ratio: float
 ) -> tuple[float, float]:
@@ -63,18 +67,17 @@ def thrust_torque(
         P/D, held to the range of the model.
     """
     if row[KIND] == FOURIER:
-        c_t, c_q, _, _ = fourier(row, math.atan2(advance_speed, ROTATION * shaft_speed * diameter), pitch_ratio)
+        c_t, c_q, _, _ = fourier(row, ROTATION * shaft_speed * diameter, advance_speed, pitch_ratio)
         area_pressure = _area_pressure(diameter, density, shaft_speed, advance_speed)
         return area_pressure * c_t, area_pressure * diameter * c_q
-    advance = _advance_number(diameter, shaft_speed, advance_speed)
-    t0, t1, q0, q1 = tangents(row, advance, pitch_ratio)
+    t0, t1, q0, q1 = tangents(row, diameter, shaft_speed, advance_speed, pitch_ratio)
     square = shaft_speed * abs(shaft_speed)
     cross = abs(shaft_speed) * advance_speed / diameter
     scale = density * diameter**4
     return scale * (t0 * square + t1 * cross), scale * diameter * (q0 * square + q1 * cross)
 
 
-@compiled
+@inlined
 def load(
     row: FloatArray, diameter: float, density: float, shaft_speed: float, advance_speed: float, pitch_ratio: float
 ) -> tuple[float, float, float]:
@@ -88,67 +91,79 @@ def load(
     """
     if row[KIND] == FOURIER:
         return _fourier_load(row, diameter, density, shaft_speed, advance_speed, pitch_ratio)
-    advance = _advance_number(diameter, shaft_speed, advance_speed)
-    _, _, q0, q1 = tangents(row, advance, pitch_ratio)
+    _, _, q0, q1 = tangents(row, diameter, shaft_speed, advance_speed, pitch_ratio)
     scale = density * diameter**4
     return scale * diameter * q0, scale * q1 * advance_speed, 0.0
 
 
-@compiled
-def tangents(row: FloatArray, advance_number: float, pitch_ratio: float) -> tuple[float, float, float, float]:
-    """Return intercept and slope of the tangents of K_T and of K_Q at ``advance_number`` held to its range."""
+@inlined
+def tangents(
+    row: FloatArray, diameter: float, shaft_speed: float, advance_speed: float, pitch_ratio: float
+) -> tuple[float, float, float, float]:
+    """Return intercept and slope of the tangents of K_T and of K_Q at the advance number held to its range."""
+    if row[KIND] == LINEAR:
+        at = _LINEAR_COEFFICIENTS
+        return row[at], row[at + 1], row[at + ADVANCE_TERMS], row[at + ADVANCE_TERMS + 1]
+    advance_number = _advance_number(diameter, shaft_speed, advance_speed)
     pitch = min(max(pitch_ratio, row[PITCH_MIN]), row[PITCH_MAX])
     pitch_pieces, terms, pieces = int(row[PITCH_PIECES]), int(row[PITCH_TERMS]), int(row[ADVANCE_PIECES])
     breaks = BREAKS + pitch_pieces + 1
-    coefficients = breaks + pieces + 1
     k = _piece(row, BREAKS, pitch_pieces, pitch)
     x = pitch - row[BREAKS + k]
-    size = 2 * ADVANCE_TERMS * terms
-    first = coefficients + k * pieces * size
     end = row[END] + pitch * (row[END + 1] + pitch * (row[END + 2] + pitch * row[END + 3]))
-    if row[END_IS_ZERO_THRUST] != 0.0 and advance_number > CERTAINLY_INSIDE * end:
-        k0, k1, k2, k3 = _cubic(row, first, terms, x)
-        for _ in range(END_STEPS):
-            end -= (k0 + end * (k1 + end * (k2 + end * k3))) / (k1 + end * (2.0 * k2 + end * 3.0 * k3))
+    # A range that ends at zero thrust is one piece, so that its cubic is known before its end is.
     advance = min(max(advance_number, 0.0), end)
     i = _piece(row, breaks, pieces, advance)
+    first = breaks + pieces + 1 + (k * pieces + i) * 2 * ADVANCE_TERMS * terms
+    t0, t1, t2, t3, q0, q1, q2, q3 = _cubics(row, first, terms, x)
+    if row[END_IS_ZERO_THRUST] != 0.0 and advance_number > CERTAINLY_INSIDE * end:
+        for _ in range(END_STEPS):
+            end -= (t0 + end * (t1 + end * (t2 + end * t3))) / (t1 + end * (2.0 * t2 + end * 3.0 * t3))
+        advance = min(max(advance_number, 0.0), end)
     y = advance - row[breaks + i]
-    first += i * size
-    k0, k1, k2, k3 = _cubic(row, first, terms, x)
-    t = k0 + y * (k1 + y * (k2 + y * k3))
-    t1 = k1 + y * (2.0 * k2 + y * 3.0 * k3)
-    k0, k1, k2, k3 = _cubic(row, first + ADVANCE_TERMS * terms, terms, x)
-    q = k0 + y * (k1 + y * (k2 + y * k3))
-    q1 = k1 + y * (2.0 * k2 + y * 3.0 * k3)
+    t = t0 + y * (t1 + y * (t2 + y * t3))
+    t1 = t1 + y * (2.0 * t2 + y * 3.0 * t3)
+    q = q0 + y * (q1 + y * (q2 + y * q3))
+    q1 = q1 + y * (2.0 * q2 + y * 3.0 * q3)
     return t - t1 * advance, t1, q - q1 * advance, q1
 
 
-@compiled
-def fourier(row: FloatArray, angle: float, pitch_ratio: float) -> tuple[float, float, float, float]:
-    """Return C_T, C_Q, the slope of C_Q at advance angle ``angle`` (rad), and C_Q without advance speed.
+@inlined
+def fourier(
+    row: FloatArray, rotation_speed: float, advance_speed: float, pitch_ratio: float
+) -> tuple[float, float, float, float]:
+    """Return C_T, C_Q, the slope of C_Q over the advance angle, and C_Q without advance speed.
 
-    The last one is at 0 for angles within 90 deg of it, otherwise at 180 deg.
+    The advance angle is that of the vector (``rotation_speed``, ``advance_speed``), m/s; 0 at rest. The last value is
+    at 0 for angles within 90 deg of it, otherwise at 180 deg.
     """
     pitch = min(max(pitch_ratio, row[PITCH_MIN]), row[PITCH_MAX])
     pitch_pieces, terms, harmonics = int(row[PITCH_PIECES]), int(row[PITCH_TERMS]), int(row[HARMONICS])
     k = _piece(row, BREAKS, pitch_pieces, pitch)
     x = pitch - row[BREAKS + k]
-    size = harmonics * terms
-    first = BREAKS + pitch_pieces + 1 + 4 * k * size
-    c, s = math.cos(angle), math.sin(angle)
-    alternating = 1.0 if c >= 0.0 else -1.0
-    cosine, sine, sign = 1.0, 0.0, 1.0
-    c_t, c_q, slope, still = 0.0, 0.0, 0.0, 0.0
-    for h in range(harmonics):
-        at = first + h * terms
-        a_q, b_q = _horner(row, at + 2 * size, terms, x), _horner(row, at + 3 * size, terms, x)
-        c_t += _horner(row, at, terms, x) * cosine + _horner(row, at + size, terms, x) * sine
+    size = 4 * terms
+    at = BREAKS + pitch_pieces + 1 + k * harmonics * size
+    c, s = _direction(rotation_speed, advance_speed)
+    # Even and odd harmonics turn on their own, by twice the angle: two short chains of products, not one long one.
+    c2, s2 = c * c - s * s, 2.0 * s * c
+    cosine, sine, cosine_odd, sine_odd = 1.0, 0.0, c, s
+    c_t, c_q, slope, even, odd = 0.0, 0.0, 0.0, 0.0, 0.0
+    for h in range(0, harmonics, 2):
+        a_t, b_t, a_q, b_q = _harmonic(row, at, terms, x)
+        c_t += a_t * cosine + b_t * sine
         c_q += a_q * cosine + b_q * sine
         slope += h * (b_q * cosine - a_q * sine)
-        still += sign * a_q
-        sign *= alternating
-        cosine, sine = cosine * c - sine * s, sine * c + cosine * s
-    return c_t, c_q, slope, still
+        even += a_q
+        cosine, sine = cosine * c2 - sine * s2, sine * c2 + cosine * s2
+        if h + 1 < harmonics:
+            a_t, b_t, a_q, b_q = _harmonic(row, at + size, terms, x)
+            c_t += a_t * cosine_odd + b_t * sine_odd
+            c_q += a_q * cosine_odd + b_q * sine_odd
+            slope += (h + 1) * (b_q * cosine_odd - a_q * sine_odd)
+            odd += a_q
+            cosine_odd, sine_odd = cosine_odd * c2 - sine_odd * s2, sine_odd * c2 + cosine_odd * s2
+        at += 2 * size
+    return c_t, c_q, slope, (even + odd if c >= 0.0 else even - odd)
 
 
 @compiled
@@ -157,7 +172,7 @@ def _fourier_load(
 ) -> tuple[float, float, float]:
     rotation = ROTATION * diameter
     x = rotation * shaft_speed
-    _, c_q, slope, still = fourier(row, math.atan2(advance_speed, x), pitch_ratio)
+    _, c_q, slope, still = fourier(row, x, advance_speed, pitch_ratio)
     torque = _area_pressure(diameter, density, shaft_speed, advance_speed) * diameter * c_q
     scale = 0.125 * math.pi * density * diameter**3
     per_speed = scale * rotation * (2.0 * x * c_q - advance_speed * slope)
@@ -167,14 +182,14 @@ def _fourier_load(
     return c, (a if shaft_speed >= 0.0 else -a), b
 
 
-@compiled
+@inlined
 def _area_pressure(diameter: float, density: float, shaft_speed: float, advance_speed: float) -> float:
     """Return rho A_0 V_inf^2 / 2, N: [Ruth] (2.13), (2.15), (2.16)."""
     rotation = ROTATION * shaft_speed * diameter
     return 0.125 * math.pi * density * diameter**2 * (advance_speed * advance_speed + rotation * rotation)
 
 
-@compiled
+@inlined
 def _advance_number(diameter: float, shaft_speed: float, advance_speed: float) -> float:
     """Return J of [Ruth] (2.11); at n = 0 infinity with the sign of V_A, and 0 where both are 0."""
     if advance_speed == 0.0:
@@ -184,7 +199,7 @@ def _advance_number(diameter: float, shaft_speed: float, advance_speed: float) -
     return math.copysign(math.inf, advance_speed)
 
 
-@compiled
+@inlined
 def _piece(row: FloatArray, breaks: int, pieces: int, at: float) -> int:
     """Return which piece holds ``at``: the first or last one where it lies outside."""
     i = 0
@@ -193,22 +208,48 @@ def _piece(row: FloatArray, breaks: int, pieces: int, at: float) -> int:
     return i
 
 
-@compiled
-def _horner(row: FloatArray, first: int, terms: int, x: float) -> float:
-    value = 0.0
-    at = first + terms
-    while at > first:  # a range with a negative step divides integers to find its length
-        at -= 1
-        value = value * x + row[at]
-    return value
+@inlined
+def _direction(x: float, y: float) -> tuple[float, float]:
+    """Return cosine and sine of the angle of a vector; those of 0 for one of no length."""
+    size = max(abs(x), abs(y))
+    if size == 0.0:
+        return 1.0, 0.0
+    length = math.sqrt(x * x + y * y)
+    if not 1e-150 < length < 1e150:  # squares that have lost digits, or too large
+        x, y = x / size, y / size
+        length = math.sqrt(x * x + y * y)
+    return x / length, y / length
 
 
-@compiled
-def _cubic(row: FloatArray, first: int, terms: int, x: float) -> tuple[float, float, float, float]:
-    """Return the coefficients in J at one pitch ratio, lowest power first."""
-    return (
-        _horner(row, first, terms, x),
-        _horner(row, first + terms, terms, x),
-        _horner(row, first + 2 * terms, terms, x),
-        _horner(row, first + 3 * terms, terms, x),
-    )
+@inlined
+def _cubics(
+    row: FloatArray, first: int, terms: int, x: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Return the coefficients in J of K_T, then of K_Q, at one pitch ratio, lowest power first."""
+    at = first + 8 * (terms - 1)
+    t0, t1, t2, t3 = row[at], row[at + 1], row[at + 2], row[at + 3]
+    q0, q1, q2, q3 = row[at + 4], row[at + 5], row[at + 6], row[at + 7]
+    while at > first:
+        at -= 8
+        t0, t1, t2, t3 = t0 * x + row[at], t1 * x + row[at + 1], t2 * x + row[at + 2], t3 * x + row[at + 3]
+        q0, q1, q2, q3 = q0 * x + row[at + 4], q1 * x + row[at + 5], q2 * x + row[at + 6], q3 * x + row[at + 7]
+    return t0, t1, t2, t3, q0, q1, q2, q3
+
+
+@inlined
+def _harmonic(row: FloatArray, first: int, terms: int, x: float) -> tuple[float, float, float, float]:
+    """Return A_T, B_T, A_Q and B_Q of one harmonic at one pitch ratio."""
+    if terms == SPLINE_TERMS:  # the same as below, without a loop
+        c = row[first : first + 4 * SPLINE_TERMS]
+        return (
+            c[0] + x * (c[4] + x * (c[8] + x * c[12])),
+            c[1] + x * (c[5] + x * (c[9] + x * c[13])),
+            c[2] + x * (c[6] + x * (c[10] + x * c[14])),
+            c[3] + x * (c[7] + x * (c[11] + x * c[15])),
+        )
+    at = first + 4 * (terms - 1)
+    a_t, b_t, a_q, b_q = row[at], row[at + 1], row[at + 2], row[at + 3]
+    while at > first:
+        at -= 4
+        a_t, b_t, a_q, b_q = a_t * x + row[at], b_t * x + row[at + 1], a_q * x + row[at + 2], b_q * x + row[at + 3]
+    return a_t, b_t, a_q, b_q

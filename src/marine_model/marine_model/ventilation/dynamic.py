@@ -16,13 +16,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from marine_model.compiled import compiled
+from marine_model.compiled import compiled, inlined
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector, positive_number
 from marine_model.ventilation.data import VentilationData
 
 
-@compiled
+@inlined
 def limited_rise(wanted: float, held: float, rate: float, dt: float) -> float:
     """Return the loss factor after ``dt`` (s): ``wanted``, but at most ``rate`` dt above ``held``."""
     return min(wanted, held + rate * dt)

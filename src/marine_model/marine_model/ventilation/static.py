@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from marine_model.compiled import compiled
+from marine_model.compiled import compiled, inlined
 from marine_model.constants import GRAVITY
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
@@ -38,14 +38,18 @@ from marine_model.ventilation.table import (
 )
 
 
-@compiled
+@inlined
 def wetted_area(submergence_ratio: float) -> float:
     """Return beta_area = A_wet / A_0, [Ruth] (2.39): 0 out of the water, 1 when covered."""
-    x = min(1.0, max(-1.0, submergence_ratio))  # the real part of (2.39) beyond these
+    if submergence_ratio >= 1.0:  # beyond these, the real part of (2.39)
+        return 1.0
+    if submergence_ratio <= -1.0:
+        return 0.0
+    x = submergence_ratio
     return max(0.0, 1.0 - math.acos(x) / math.pi + x * math.sqrt(1.0 - x * x) / math.pi)  # not -1e-17
 
 
-@compiled
+@inlined
 def modified_froude_number(shaft_speed: float, diameter: float, pitch_ratio: float, submergence_ratio: float) -> float:
     """Return F_nh2, [Ruth] (2.36), of |n| and |P/D|; infinite out of the water, h/R <= -1."""
     depth = 1.0 + submergence_ratio
@@ -54,7 +58,7 @@ def modified_froude_number(shaft_speed: float, diameter: float, pitch_ratio: flo
     return abs(shaft_speed * pitch_ratio) * math.sqrt(diameter / (depth * GRAVITY))
 
 
-@compiled
+@inlined
 def thrust_loss(row: FloatArray, froude: float, submergence_ratio: float) -> float:
     """Return beta_Tw, [Ruth] (2.40)-(2.50).
 
@@ -76,7 +80,7 @@ def thrust_loss(row: FloatArray, froude: float, submergence_ratio: float) -> flo
     return max(least, min(most, beta))
 
 
-@compiled
+@inlined
 def loss_factors(
     row: FloatArray, shaft_speed: float, diameter: float, pitch_ratio: float, submergence_ratio: float
 ) -> tuple[float, float, float]:

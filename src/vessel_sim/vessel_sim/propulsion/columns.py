@@ -35,7 +35,9 @@ THRUST_LOSS = 9  # beta_T = beta_area beta_Tw
 TORQUE_LOSS = 10  # beta_Q = beta_area beta_Qw
 ADVANCE_SPEED = 11  # V_A, m/s
 SUBMERGENCE = 12  # h, m, of the shaft below the surface
-STATE = 13
+STEP = 13  # s, of the last step
+AZIMUTH_SETTLED = 14  # 1 - exp(-step / T) of the azimuth motor
+STATE = 15
 
 # What a step is given: inputs, shape (INPUTS, n).
 TORQUE_INPUT = 0  # N m

@@ -55,7 +55,7 @@ def advance_in_sea(
     for i in range(n):
         inputs[ADVANCE_SPEED_INPUT, i] = flow[i] if flowing else 0.0
         inputs[SUBMERGENCE_INPUT, i] = submergence[i]
-    advance(parameters, propellers, ventilation, state, inputs, INPUTS, ventilates, dt)
+    advance(parameters, propellers, ventilation, state, inputs, inputs, INPUTS, ventilates, dt)
     surge = sway = yaw = 0.0
     for i in range(n):
         fx = state[i, THRUST] * math.cos(state[i, AZIMUTH])

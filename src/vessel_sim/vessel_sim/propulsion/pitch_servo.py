@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from marine_model.compiled import compiled
+from marine_model.compiled import inlined
 
 
-@compiled
+@inlined
 def advance(
     pitch: float, demand: float, low: float, high: float, rate_max: float, time_constant: float, dt: float
 ) -> float:
@@ -33,6 +33,8 @@ def advance(
     """
     demand = min(max(demand, low), high)
     error = demand - pitch
+    if error == 0.0:
+        return demand
     near = rate_max * time_constant
     travel = abs(error) - near
     if travel > 0.0:

@@ -13,10 +13,14 @@ from marine_model.vessel import Vessel
 from vessel_sim.inflow import Inflow
 from vessel_sim.propulsion import columns
 from vessel_sim.propulsion.in_sea import advance_in_sea
-from vessel_sim.propulsion.step import GOOD, advance, first_bad
+from vessel_sim.propulsion.shared_step import Spread, advance_shared
+from vessel_sim.propulsion.step import GOOD, first_bad
 from vessel_sim.propulsion.tables import PlantTables
 from vessel_sim.waves.hull_form import Triple
 from vessel_sim.waves.sea import Sea
+
+_SET_POINTS = slice(0, columns.ADVANCE_SPEED_INPUT)
+_WATER = slice(columns.ADVANCE_SPEED_INPUT, columns.INPUTS)
 
 
 class PropulsionPlant:
@@ -34,6 +38,9 @@ class PropulsionPlant:
     ventilation
         False: propellers lose nothing to air, from the next step on. Where a vessel has no section ``ventilation``
         they never do.
+    spread
+        Runs a function at the same time in as many threads as it has, and returns when all are done: more than 1,000
+        thrusters are shared among them. None: the thread of the caller works alone. Results are the same.
     """
 
     def __init__(self, vessel: Vessel) -> None:
@@ -48,6 +55,7 @@ class PropulsionPlant:
 
     def _set_up(self, tables: PlantTables) -> None:
         self.ventilation = True
+        self.spread: Spread | None = None
         self._names = tables.names
         # Copies: writable and contiguous, so that there is one compiled version of the step.
         self._tables: tuple[FloatArray, FloatArray, FloatArray] = (
@@ -139,8 +147,9 @@ class PropulsionPlant:
         InputError
             As :meth:`step`; the set points before stay in force then.
         """
+        self._given[_WATER] = self._inputs[_WATER]
         self._take_set_points(torque, azimuth_rate, pitch_ratio)
-        bad = first_bad(self.parameters, self._state, self._given, 0, columns.ADVANCE_SPEED_INPUT)
+        bad = first_bad(self.parameters, self._state, self._given, self._inputs, 0, columns.ADVANCE_SPEED_INPUT)
         if bad != GOOD:
             self._refuse(bad)
         self._accept()
@@ -155,13 +164,15 @@ class PropulsionPlant:
         """
         self._given[:] = self._inputs
         self._take(columns.PITCH_INPUT, pitch_ratio)
-        bad = first_bad(self.parameters, self._state, self._given, columns.PITCH_INPUT, columns.PITCH_INPUT + 1)
+        bad = first_bad(
+            self.parameters, self._state, self._given, self._inputs, columns.PITCH_INPUT, columns.PITCH_INPUT + 1
+        )
         if bad != GOOD:
             self._refuse(bad)
 
     def advance(self, advance_speed: FloatArray, submergence: FloatArray, dt: float) -> None:
         """Advance ``state`` by ``dt`` on the set points in force; arguments and errors of :meth:`step`."""
-        self._given[:] = self._inputs
+        self._given[_SET_POINTS] = self._inputs[_SET_POINTS]
         self._take_water(advance_speed, submergence)
         self._move(dt, columns.ADVANCE_SPEED_INPUT)
 
@@ -211,10 +222,11 @@ class PropulsionPlant:
         )
 
     def _take_set_points(self, torque: FloatArray, azimuth_rate: FloatArray, pitch_ratio: FloatArray | None) -> None:
-        self._given[:] = self._inputs
         self._take(columns.TORQUE_INPUT, torque)
         self._take(columns.AZIMUTH_RATE_INPUT, azimuth_rate)
-        if pitch_ratio is not None:
+        if pitch_ratio is None:
+            self._given[columns.PITCH_INPUT] = self._inputs[columns.PITCH_INPUT]
+        else:
             self._take(columns.PITCH_INPUT, pitch_ratio)
 
     def _take_water(self, advance_speed: FloatArray, submergence: FloatArray) -> None:
@@ -234,7 +246,9 @@ class PropulsionPlant:
         if not self._flooded:
             self._state[:, columns.ADVANCE_SPEED] = self._given[columns.ADVANCE_SPEED_INPUT]
             self._state[:, columns.SUBMERGENCE] = self._given[columns.SUBMERGENCE_INPUT]
-        bad = advance(*self._tables, self._state, self._given, unchecked, self.ventilation, dt)
+        bad = advance_shared(
+            self.spread, self._tables, self._state, self._given, self._inputs, unchecked, self.ventilation, dt
+        )
         if bad != GOOD:
             self._refuse(bad)
         self._flooded = True

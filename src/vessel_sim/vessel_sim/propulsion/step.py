@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from marine_model.compiled import compiled
+from marine_model.compiled import compiled, unlocked
 from marine_model.propellers.kernel import load, thrust_torque
 from marine_model.ventilation.dynamic import limited_rise
 from marine_model.ventilation.static import loss_factors
@@ -19,6 +19,7 @@ from vessel_sim.propulsion.columns import (
     AZIMUTH_RATE,
     AZIMUTH_RATE_INPUT,
     AZIMUTH_RATE_MAX,
+    AZIMUTH_SETTLED,
     AZIMUTH_TIME_CONSTANT,
     CONTROLLABLE,
     DENSITY,
@@ -36,6 +37,7 @@ from vessel_sim.propulsion.columns import (
     PROPELLER_TORQUE,
     SHAFT_SPEED,
     STATIC,
+    STEP,
     SUBMERGENCE,
     SUBMERGENCE_INPUT,
     THRUST,
@@ -54,13 +56,25 @@ GOOD = -1
 
 
 @compiled
-def first_bad(parameters: np.ndarray, state: np.ndarray, inputs: np.ndarray, first: int, end: int) -> int:
+def first_bad(
+    parameters: np.ndarray, state: np.ndarray, inputs: np.ndarray, before: np.ndarray, first: int, end: int
+) -> int:
     """Return row times n plus column of the first input in rows ``first`` to ``end`` - 1 that cannot be taken.
 
     That is a number that is not finite, or another pitch than its own for a propeller of fixed pitch; ``GOOD`` if
-    there is none.
+    there is none. ``before`` are the inputs that were good last.
     """
     n: int = inputs.shape[1]
+    bad = False
+    for j in range(first, end):  # without a way out, so that several numbers are looked at at once
+        for i in range(n):
+            bad |= not abs(inputs[j, i]) < math.inf
+    if first <= PITCH_INPUT < end:
+        for i in range(n):
+            if inputs[PITCH_INPUT, i] != before[PITCH_INPUT, i]:  # few: tables are read for those alone
+                bad |= parameters[i, CONTROLLABLE] == 0.0
+    if not bad:
+        return GOOD
     for j in range(first, end):
         for i in range(n):
             if not math.isfinite(inputs[j, i]):
@@ -77,6 +91,7 @@ def advance(
     ventilation: np.ndarray,
     state: np.ndarray,
     inputs: np.ndarray,
+    before: np.ndarray,
     unchecked: int,
     ventilates: bool,
     dt: float,
@@ -92,6 +107,8 @@ def advance(
         See ``PlantTables``; ``state`` is changed.
     inputs
         Shape (INPUTS, n): set points held over the step, and the water at its end.
+    before
+        The inputs that were good last.
     unchecked
         First row of ``inputs`` to look at with ``first_bad``.
     ventilates
@@ -99,22 +116,42 @@ def advance(
     dt
         s, at least 0.
     """
-    bad = first_bad(parameters, state, inputs, unchecked, INPUTS)
-    if bad != GOOD:
-        return bad
-    for i in range(state.shape[0]):
+    bad = first_bad(parameters, state, inputs, before, unchecked, INPUTS)
+    if bad == GOOD:
+        advance_rows(parameters, propellers, ventilation, state, inputs, ventilates, dt, 0, state.shape[0])
+    return bad
+
+
+@compiled
+def advance_rows(
+    parameters: np.ndarray,
+    propellers: np.ndarray,
+    ventilation: np.ndarray,
+    state: np.ndarray,
+    inputs: np.ndarray,
+    ventilates: bool,
+    dt: float,
+    first: int,
+    end: int,
+) -> None:
+    """Advance rows ``first`` to ``end`` - 1 of ``state``; see ``advance``. ``inputs`` are good."""
+    for i in range(first, end):
         row = propellers[int(parameters[i, PROPELLER])]
         diameter, density = parameters[i, DIAMETER], parameters[i, DENSITY]
         limit = parameters[i, TORQUE_MAX]
         torque = min(max(inputs[TORQUE_INPUT, i], -limit), limit)
 
         if parameters[i, TURNS] != 0.0:
+            if state[i, STEP] != dt:
+                state[i, STEP] = dt
+                state[i, AZIMUTH_SETTLED] = azimuth_servo.settled_share(parameters[i, AZIMUTH_TIME_CONSTANT], dt)
             state[i, AZIMUTH], state[i, AZIMUTH_RATE] = azimuth_servo.advance(
                 state[i, AZIMUTH],
                 state[i, AZIMUTH_RATE],
                 inputs[AZIMUTH_RATE_INPUT, i],
                 parameters[i, AZIMUTH_RATE_MAX],
                 parameters[i, AZIMUTH_TIME_CONSTANT],
+                state[i, AZIMUTH_SETTLED],
                 dt,
             )
         pitch_before = pitch = state[i, PITCH_RATIO]
@@ -178,4 +215,19 @@ def advance(
         state[i, PROPELLER_TORQUE] = area * torque_wetted * propeller_torque
         state[i, ADVANCE_SPEED] = flow
         state[i, SUBMERGENCE] = depth
-    return GOOD
+
+
+@unlocked
+def advance_rows_unlocked(
+    parameters: np.ndarray,
+    propellers: np.ndarray,
+    ventilation: np.ndarray,
+    state: np.ndarray,
+    inputs: np.ndarray,
+    ventilates: bool,
+    dt: float,
+    first: int,
+    end: int,
+) -> None:
+    """Do what ``advance_rows`` does, beside other threads."""
+    advance_rows(parameters, propellers, ventilation, state, inputs, ventilates, dt, first, end)
