@@ -16,6 +16,16 @@ class FolderError(DpError):
     """A run folder cannot be used."""
 
 
+def make_writable(folder: Path) -> None:
+    """Make ``folder``, before the work that shall end up in it. Raises FolderError if it cannot be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / ".writable").touch()
+        (folder / ".writable").unlink()
+    except OSError as error:
+        raise FolderError(f"{folder}: cannot be written: {error.strerror}") from error
+
+
 @dataclass(frozen=True)
 class RunFolder:
     """Paths of one run."""

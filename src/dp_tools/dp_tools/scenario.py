@@ -14,6 +14,7 @@ from dp_tools.node_settings import SIMULATOR, default_settings
 from dp_tools.workspace import share
 from marine_model import Vessel, load_vessel
 from marine_model.errors import DocumentError, InputError, UnknownNameError
+from marine_model.named_files import file_names, is_path, named_file
 from marine_model.schema import NonNegative, Positive, Section, Vector3
 from marine_model.settings import Settings, read_only_parameters, with_parameters
 from marine_model.yaml_document import FieldPath, YamlDocument, read_yaml
@@ -122,22 +123,13 @@ def scenario_folder() -> Path:
 
 def scenario_names() -> tuple[str, ...]:
     """Return the names of the scenarios that come with dp_bringup, sorted."""
-    return tuple(sorted(path.stem for path in scenario_folder().glob("*.yaml")))
+    return file_names(scenario_folder())
 
 
 def scenario_path(name_or_path: str | Path) -> Path:
     """Return the file of a scenario. Raises UnknownNameError, WorkspaceError."""
-    path = Path(name_or_path)
-    if path.suffix in (".yaml", ".yml") or len(path.parts) > 1:
-        if not path.is_file():
-            raise UnknownNameError(f"scenario: no such file: {path}")
-        return path
-    known = scenario_folder() / f"{path}.yaml"
-    if not known.is_file():
-        raise UnknownNameError(
-            f"scenario: expected a path or one of {', '.join(scenario_names())}, found '{name_or_path}'"
-        )
-    return known
+    # A path needs no workspace.
+    return named_file("scenario", name_or_path, Path() if is_path(name_or_path) else scenario_folder())
 
 
 def load_scenario(name_or_path: str | Path, vessel: Vessel | None = None) -> Scenario:

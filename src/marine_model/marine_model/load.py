@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from marine_model.errors import DocumentError, UnknownNameError
+from marine_model.named_files import file_names, named_file
 from marine_model.propellers.sections import DATA_FIELDS
 from marine_model.vessel import Vessel
 from marine_model.yaml_document import FieldPath, YamlDocument, read_yaml, validate
@@ -17,7 +18,7 @@ DATA_FOLDER = Path(__file__).parent / "data"
 
 def vessel_names() -> tuple[str, ...]:
     """Return the names of the vessels that come with this package, sorted."""
-    return tuple(sorted(path.stem for path in VESSEL_FOLDER.glob("*.yaml")))
+    return file_names(VESSEL_FOLDER)
 
 
 def load_vessel(name_or_path: str | Path) -> Vessel:
@@ -41,15 +42,7 @@ def load_vessel(name_or_path: str | Path) -> Vessel:
 
 def vessel_path(name_or_path: str | Path) -> Path:
     """Return the file of a vessel. Raises UnknownNameError."""
-    path = Path(name_or_path)
-    if path.suffix in (".yaml", ".yml") or len(path.parts) > 1:
-        if not path.is_file():
-            raise UnknownNameError(f"vessel: no such file: {path}")
-        return path
-    known = VESSEL_FOLDER / f"{path}.yaml"
-    if not known.is_file():
-        raise UnknownNameError(f"vessel: expected a path or one of {', '.join(vessel_names())}, found '{name_or_path}'")
-    return known
+    return named_file("vessel", name_or_path, VESSEL_FOLDER)
 
 
 def _merged(path: Path, chain: tuple[Path, ...]) -> YamlDocument:

@@ -7,8 +7,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from marine_model.errors import UnknownNameError
 from marine_model.load import with_propeller_data
+from marine_model.named_files import file_names, named_file
 from marine_model.propellers.sections import PropellerData
 from marine_model.schema import NonNegative, Positive, Section
 from marine_model.thruster import check_pitch
@@ -71,7 +71,7 @@ class PropellerFile(Section):
 
 def propeller_names() -> tuple[str, ...]:
     """Return the names of the propellers that come with this package, sorted."""
-    return tuple(sorted(path.stem for path in PROPELLER_FOLDER.glob("*.yaml")))
+    return file_names(PROPELLER_FOLDER)
 
 
 def load_propeller(name_or_path: str | Path) -> PropellerFile:
@@ -89,13 +89,5 @@ def load_propeller(name_or_path: str | Path) -> PropellerFile:
     DocumentError
         If the file cannot be read or breaks the schema: one line per problem, with file, line and field.
     """
-    path = Path(name_or_path)
-    if path.suffix not in (".yaml", ".yml") and len(path.parts) == 1:
-        path = PROPELLER_FOLDER / f"{path}.yaml"
-        if not path.is_file():
-            known = ", ".join(propeller_names())
-            raise UnknownNameError(f"propeller: expected a path or one of {known}, found '{name_or_path}'")
-    elif not path.is_file():
-        raise UnknownNameError(f"propeller: no such file: {path}")
-    document = with_propeller_data(read_yaml(path))
+    document = with_propeller_data(read_yaml(named_file("propeller", name_or_path, PROPELLER_FOLDER)))
     return validate(document.content, PropellerFile, document)

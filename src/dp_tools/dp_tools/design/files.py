@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from dp_tools.design.tables import buses, numbers
-from dp_tools.run_files import FolderError
+from dp_tools.run_files import FolderError, make_writable
 from marine_model import Vessel
 from thrust_allocator.design.loop import Study, bus_losses
 from thrust_allocator.design.maps import GainMap, MapCase
@@ -25,12 +25,7 @@ class DesignFolder:
 
     def prepare(self) -> None:
         """Make the folder. Raises FolderError if it cannot be written."""
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-            (self.path / ".writable").touch()
-            (self.path / ".writable").unlink()
-        except OSError as error:
-            raise FolderError(f"{self.path}: cannot be written: {error.strerror}") from error
+        make_writable(self.path)
 
     def map_file(self, number: int, case: MapCase) -> Path:
         """Return the path of a map's picture."""

@@ -15,7 +15,7 @@ from dp_tools.open_water.outcome import Outcome
 from dp_tools.open_water.page import render
 from dp_tools.open_water.plots import stacked
 from dp_tools.open_water.record import QUANTITIES, UNITS
-from dp_tools.run_files import FolderError
+from dp_tools.run_files import FolderError, make_writable
 
 PAGE, NUMBERS, SERIES, PICTURE = "open_water.html", "open_water.json", "series.csv", "open_water.png"
 _DPI = 110
@@ -29,12 +29,7 @@ class TrialFolder:
 
     def prepare(self) -> None:
         """Make the folder. Raises FolderError if it cannot be written."""
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-            (self.path / ".writable").touch()
-            (self.path / ".writable").unlink()
-        except OSError as error:
-            raise FolderError(f"{self.path}: cannot be written: {error.strerror}") from error
+        make_writable(self.path)
 
     def write(self, outcome: Outcome) -> None:
         """Write everything. Raises FolderError."""

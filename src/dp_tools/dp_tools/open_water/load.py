@@ -7,8 +7,9 @@ from pathlib import Path
 from dp_tools.open_water.rig import controllers_of, rig_of
 from dp_tools.open_water.trial import Trial
 from dp_tools.workspace import share
-from marine_model.errors import DocumentError, UnknownNameError
+from marine_model.errors import DocumentError
 from marine_model.load import with_propeller_data
+from marine_model.named_files import file_names, is_path, named_file
 from marine_model.schema import FieldError
 from marine_model.yaml_document import read_yaml
 
@@ -20,7 +21,7 @@ def trial_folder() -> Path:
 
 def trial_names() -> tuple[str, ...]:
     """Return the names of the trials that come with dp_bringup, sorted. Raises WorkspaceError."""
-    return tuple(sorted(path.stem for path in trial_folder().glob("*.yaml")))
+    return file_names(trial_folder())
 
 
 def load_trial(name_or_path: str | Path) -> Trial:
@@ -51,12 +52,5 @@ def load_trial(name_or_path: str | Path) -> Trial:
 
 
 def _path(name_or_path: str | Path) -> Path:
-    path = Path(name_or_path)
-    if path.suffix in (".yaml", ".yml") or len(path.parts) > 1:
-        if not path.is_file():
-            raise UnknownNameError(f"trial: no such file: {path}")
-        return path
-    known = trial_folder() / f"{path}.yaml"
-    if not known.is_file():
-        raise UnknownNameError(f"trial: expected a path or one of {', '.join(trial_names())}, found '{name_or_path}'")
-    return known
+    # A path needs no workspace.
+    return named_file("trial", name_or_path, Path() if is_path(name_or_path) else trial_folder())
