@@ -7,8 +7,9 @@ which (B.43) lets pass, an aft thruster of CyberShip III would show beta_Q = 0.3
 
 holds exactly, however torque and speed moved in between; at steady speed it is (B.39)-(B.40). Noise sigma in either
 shaft speed puts sqrt(2) 2 pi J sigma over the nominal impulse into beta_Q. The window is the shortest whole number of
-samples whose nominal impulse keeps that below what is allowed. Where four samples are not enough, near n = 0,
-beta_Q is 1.
+samples whose nominal impulse keeps that below what is allowed. Where four samples are not enough, near n = 0, or the
+shaft has turned the other way in the window, beta_Q is 1: the parts of both ways would cancel in the nominal impulse,
+while what the advance speed does to the torque would not.
 """
 
 from __future__ import annotations
@@ -74,6 +75,8 @@ def balance(
     state[BETA_SAMPLED] = 1.0
     for k in range(WINDOW):
         at = RING + k * RING_WIDTH
+        if state[at + 2] * speed < 0.0:
+            break
         impulse += state[at]
         nominal += state[at + 1]
         if abs(nominal) >= needed:

@@ -75,7 +75,9 @@ def observe(
     """Advance observed shaft speed and loss factor of one thruster by one feedback.
 
     Where the observer would need longer than ``patience`` (s), near n = 0, there is nothing to observe: beta^ goes back
-    to 1 with that time constant, and n^ is the measurement.
+    to 1 with that time constant, and n^ is the measurement. A shaft that turns over begins anew, without loss: what the
+    advance speed takes from the torque one way it adds the other way, and an innovation left over from before would
+    count with the wrong sign.
 
     Parameters
     ----------
@@ -94,6 +96,10 @@ def observe(
     observed, beta = state[SPEED], state[BETA]
     net = torque - friction(parameters, observed, torque) - beta * load * observed * abs(observed)
     predicted = observed + dt * net / (inertia + dt * beta * load * abs(observed))
+    if predicted * observed < 0.0:
+        state[SPEED] = speed
+        state[BETA] = 1.0
+        return
     nominal = load * predicted * abs(predicted)
     w = filter_index(abs(nominal) * dt / (inertia * parameters[NOISE]))
     if w * (1.0 + w) * dt * dt > 2.0 * patience * patience:  # sqrt(gamma) / dt, its natural frequency
