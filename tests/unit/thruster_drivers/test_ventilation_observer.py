@@ -148,6 +148,22 @@ def test_the_slower_the_shaft_the_slower_the_observer() -> None:
     assert needed[-1] * DT <= 2 * VESSEL.measurement.sample_time
 
 
+@pytest.mark.parametrize("method", ["torque_rate", "shaft_deceleration"])
+def test_a_shaft_that_turns_over_begins_anew(method: str) -> None:
+    """A current that takes half of the torque one way adds to it the other way: no loss is left over from before."""
+    rig = Rig(VentilationSettings.model_validate({"method": method}))
+    assert rig.hold(-8.0, 2.0, beta=0.5)[-1] == pytest.approx(0.5, abs=1e-6)
+    after = []
+    for _ in range(60):
+        estimate = rig.turn(0.05, beta=0.5 if rig.speed < 0.0 else 1.5)
+        if rig.speed > 0.0:
+            after.append(estimate)
+    assert len(after) > 40
+    # The slow form answers for the last whole sample until the next one ends, 0.2 s later.
+    assert min(after[10 if method == "shaft_deceleration" else 0 :]) > 1.0 - 1e-6
+    assert after[-1] == pytest.approx(1.5, abs=0.05)  # the observer settles
+
+
 def test_near_rest_a_loss_is_forgotten() -> None:
     rig = Rig()
     rig.hold(20.0, 1.0)

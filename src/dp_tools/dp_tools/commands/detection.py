@@ -14,7 +14,10 @@ from marine_model import load_vessel
 def detection(
     vessel: Annotated[str, typer.Argument(metavar="VESSEL", help="Vessel, by name or file.")] = "cybership3",
     duration: Annotated[
-        float, typer.Option(metavar="S", min=60.0, max=36000.0, help="Time of ventilation, and of moderate sea, in s.")
+        float,
+        typer.Option(
+            metavar="S", min=60.0, max=36000.0, help="Time of moderate sea, in s; half as much of ventilation."
+        ),
     ] = 3600.0,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of both.")] = 1,
     output: Annotated[

@@ -7,7 +7,7 @@ speed are prescribed.
 
 from dp_tools.detection_campaign.bench import Record, sail
 from dp_tools.detection_campaign.campaign import METHODS, campaign
-from dp_tools.detection_campaign.moderate_sea import largest_advance_speed
+from dp_tools.detection_campaign.moderate_sea import least_shaft_speed
 from dp_tools.detection_campaign.table import DetectionTable, merge, tabulate
 from dp_tools.detection_campaign.trials import Trial, moderate_sea_trial, ventilation_trial
 
@@ -17,7 +17,7 @@ __all__ = [
     "Record",
     "Trial",
     "campaign",
-    "largest_advance_speed",
+    "least_shaft_speed",
     "merge",
     "moderate_sea_trial",
     "sail",

@@ -20,7 +20,7 @@ from thruster_drivers import DriverSettings
 
 METHODS = ("torque_rate", "shaft_deceleration")
 _SHARD = 900.0  # s, each from rest with a seed of its own, so that results do not depend on the number of processes
-_TRIALS = (ventilation_trial, moderate_sea_trial)
+_VENTILATION, _SEA = range(2)
 
 
 def campaign(
@@ -48,7 +48,8 @@ def campaign(
     settings
         Of the drivers; ``method`` takes the place of theirs.
     processes
-        At most so many at once, all cores if None; 1 starts none.
+        At most so many at once; 1 starts none. None: one a core, but no more than shards' worth of time, because to
+        start one takes about as long as half a shard.
     progress
         Called with the shards done and the number of all, after each.
 
@@ -65,7 +66,7 @@ def campaign(
     chosen = base.model_copy(update={"ventilation": base.ventilation.model_copy(update={"method": method})})
     shards = [
         (vessel, chosen, trial, length, (seed, trial, i))
-        for trial, total in enumerate((0.5 * duration, duration))
+        for trial, total in ((_VENTILATION, 0.5 * duration), (_SEA, duration))
         for i, length in enumerate(_lengths(total))
     ]
     tables: dict[int, DetectionTable] = {}
@@ -75,7 +76,8 @@ def campaign(
         if progress is not None:
             progress(len(tables), len(shards))
 
-    workers = min(processes or len(os.sched_getaffinity(0)), len(shards))
+    worthwhile = min(len(os.sched_getaffinity(0)), math.ceil(1.5 * duration / _SHARD))
+    workers = min(processes or worthwhile, len(shards))
     if workers == 1:
         for which, shard in enumerate(shards):
             take(which, _sail(*shard))
@@ -85,10 +87,11 @@ def campaign(
             tasks = {pool.submit(_sail, *shard): which for which, shard in enumerate(shards)}
             for task in as_completed(tasks):
                 take(tasks[task], task.result())
-    first, second = (
-        merge(tables[which] for which, shard in enumerate(shards) if shard[2] == trial) for trial in range(len(_TRIALS))
+    ventilation, sea = (
+        merge(tables[which] for which, shard in enumerate(shards) if shard[2] == trial)
+        for trial in (_VENTILATION, _SEA)
     )
-    return first, second
+    return ventilation, sea
 
 
 def _lengths(total: float) -> list[float]:
@@ -102,5 +105,9 @@ def _sail(
 ) -> DetectionTable:
     # Trial and noise draw from streams of their own.
     surroundings, noise = np.random.SeedSequence(seed).generate_state(2, np.uint64).tolist()
-    record = sail(vessel, _TRIALS[trial](vessel, length, surroundings), settings, noise)
-    return tabulate(vessel, record, settings)
+    if trial == _VENTILATION:
+        _, _, speed_min, _ = settings.ventilation.resolved(vessel)
+        water = ventilation_trial(vessel, length, surroundings, speed_min)
+    else:
+        water = moderate_sea_trial(vessel, length, surroundings)
+    return tabulate(vessel, sail(vessel, water, settings, noise), settings)

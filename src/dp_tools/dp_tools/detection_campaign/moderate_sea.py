@@ -13,7 +13,8 @@ from scipy.integrate import quad
 
 from marine_model import Vessel
 from marine_model.constants import GRAVITY
-from marine_model.guards import FloatArray, positive_number
+from marine_model.errors import InputError
+from marine_model.guards import FloatArray
 from vessel_sim.waves import Jonswap
 
 _HEIGHT, _PERIOD, _PEAKEDNESS, _CURRENT = 2.0, 5.9, 3.3, 1.0  # m, s, -, m/s
@@ -30,26 +31,57 @@ def current_speed(vessel: Vessel) -> float:
     return _CURRENT / math.sqrt(vessel.scale)
 
 
-def largest_advance_speed(vessel: Vessel, interval: float) -> FloatArray:
-    """Return the V_A (m/s) that a shaft meets once in ``interval`` (s) on average, shape (n,).
+def orbital_motion(vessel: Vessel) -> tuple[FloatArray, FloatArray]:
+    """Return standard deviation (m/s) and zero-crossing period (s) of the orbital velocity at the shafts, (n,) each.
 
-    Current and orbital velocity u at the depth z of the shaft, both along the propeller. u is Gaussian with the
-    spectrum S(omega) omega^2 exp(-2 omega^2 z / g), so that it goes over v once in T_z exp(v^2 / (2 sigma_u^2)),
-    [Rice 1944]: V_A = V_c + sigma_u sqrt(2 ln(interval / T_z)).
+    From the moments of S(omega) omega^2 exp(-2 omega^2 z / g) at the depth z of the shaft.
+    """
+    spectrum = moderate_sea(vessel)
+    depths = vessel.shaft_depth.tolist()
+    variance = np.array([_moment(spectrum, 2, depth) for depth in depths])
+    acceleration = np.array([_moment(spectrum, 4, depth) for depth in depths])
+    return np.sqrt(variance), 2.0 * math.pi * np.sqrt(variance / acceleration)
+
+
+def least_shaft_speed(vessel: Vessel, torque_slope: FloatArray, on: float, noise: float, interval: float) -> FloatArray:
+    """Return the n_min (Hz) above which this sea raises one false alarm in ``interval``, shape (n,).
+
+    beta_Q = 1 - (B + C x) / n + noise, with B = |a_Q / K_Q0| V_c / D, C the same with sigma_u in the place of the
+    current, and x Gaussian. Their sum goes below ``on`` once in ``interval`` where that is a = sqrt(2 ln(interval / T_z))
+    standard deviations away, [Rice 1944]:
+
+        (m - B / n)^2 = a^2 ((C / n)^2 + noise^2),      m = 1 - on,
+
+    which is quadratic in 1/n. At a shaft that always turns at n_min; the faster it turns, the rarer they are.
+
+    Parameters
+    ----------
+    vessel
+        Scale, depths of the shafts and diameters.
+    torque_slope
+        a_Q / K_Q0, shape (n,).
+    on
+        Threshold of (5.14).
+    noise
+        Standard deviation of beta_Q from noise of the sensors.
+    interval
+        s.
 
     Raises
     ------
     InputError
-        If ``interval`` is not above 0.
+        If the noise alone raises more false alarms.
     """
-    positive_number("interval", interval)
-    spectrum = moderate_sea(vessel)
-    found = []
-    for depth in vessel.shaft_depth.tolist():
-        variance, acceleration = (_moment(spectrum, power, depth) for power in (2, 4))
-        period = 2.0 * math.pi * math.sqrt(variance / acceleration)
-        found.append(math.sqrt(2.0 * variance * math.log(max(1.0, interval / period))))
-    return current_speed(vessel) + np.array(found)
+    sigma, period = orbital_motion(vessel)
+    a2 = 2.0 * np.log(np.maximum(1.0, interval / period))
+    margin = 1.0 - on
+    rest = margin**2 - a2 * noise**2
+    if np.any(rest <= 0.0):
+        raise InputError(f"noise: expected less than {margin / math.sqrt(a2.max()):.3g} of beta_Q, found {noise}")
+    factor = np.abs(torque_slope) / np.array([model.diameter for model in vessel.propeller_models])
+    mean, swing = factor * current_speed(vessel), factor * sigma
+    square = (margin * mean) ** 2 - (mean**2 - a2 * swing**2) * rest
+    return np.asarray((margin * mean + np.sqrt(square)) / rest)
 
 
 def _moment(spectrum: Jonswap, power: int, depth: float) -> float:

@@ -36,7 +36,7 @@ class Trial:
     advance_speed: FloatArray
 
 
-def ventilation_trial(vessel: Vessel, duration: float, seed: int) -> Trial:
+def ventilation_trial(vessel: Vessel, duration: float, seed: int, speed_min: tuple[float, ...] | None = None) -> Trial:
     """Return thrust and submergence that vary from one quarter of a minute to the next.
 
     Thrust either way between that of 1.2 n_min and the largest; mean h/R from 0 to 2, its amplitude up to 1.5, its
@@ -50,6 +50,8 @@ def ventilation_trial(vessel: Vessel, duration: float, seed: int) -> Trial:
         s.
     seed
         Of the trial.
+    speed_min
+        n_min, Hz, one a thruster; the vessel file's if None.
 
     Raises
     ------
@@ -63,7 +65,7 @@ def ventilation_trial(vessel: Vessel, duration: float, seed: int) -> Trial:
     n, dt = len(vessel.thrusters), vessel.simulation.time_step
     steps, length = _steps(duration, dt), round(_BLOCK / dt)
     blocks = math.ceil(steps / length)
-    least = vessel.propellers.thrust(1.2 * np.broadcast_to(gains.speed_min, n))
+    least = vessel.propellers.thrust(1.2 * np.broadcast_to(speed_min or gains.speed_min, n))
     share, forward = random.uniform(0.0, 1.0, (blocks, n)), random.random((blocks, n)) < 0.6
     highest = np.where(forward, vessel.thrust_max, -vessel.thrust_min)
     thrust = np.where(forward, 1.0, -1.0) * np.minimum(highest, least + share * (highest - least).clip(0.0))

@@ -16,7 +16,7 @@ METHODS = {
 
 @dataclass(frozen=True)
 class MethodResult:
-    """One method: a time with ventilation, and as much moderate sea without it."""
+    """One method: a time with ventilation, and a time of moderate sea without it."""
 
     title: str
     ventilation: DetectionTable
@@ -24,7 +24,7 @@ class MethodResult:
 
 
 def run_campaigns(
-    vessel: Vessel, duration: float, seed: int, progress: Callable[[], None] | None = None
+    vessel: Vessel, duration: float, seed: int, progress: Callable[[float], None] | None = None
 ) -> tuple[MethodResult, ...]:
     """Return the tables of every method.
 
@@ -33,22 +33,25 @@ def run_campaigns(
     vessel
         With ``drivers.ventilation`` and ``ventilation``.
     duration
-        s of ventilation and of sea, each.
+        s of sea; half of it is the time of ventilation.
     seed
         Of both.
     progress
-        Called after every method.
+        Called with the number of methods done, fractions of them included.
 
     Raises
     ------
     InputError
         If the vessel lacks a section that is needed.
     """
-    found = []
+    found: list[MethodResult] = []
     for method, title in METHODS.items():
-        found.append(MethodResult(title, *campaign(vessel, method, duration, seed)))
-        if progress is not None:
-            progress()
+
+        def tell(done: int, total: int, before: int = len(found)) -> None:
+            if progress is not None:
+                progress(before + done / total)
+
+        found.append(MethodResult(title, *campaign(vessel, method, duration, seed, progress=tell)))
     return tuple(found)
 
 
@@ -58,7 +61,8 @@ def confusion(result: MethodResult) -> list[tuple[str, str]]:
     return [
         ("Events longer than 0.5 s", f"{wet.events}"),
         ("found before they ended", f"{wet.found}"),
-        ("found within two samples", f"{wet.found_in_time}"),
+        ("found within two samples of the control system", f"{wet.found_in_time}"),
+        ("found within two of its own samples", f"{int((wet.delays_in_own_samples <= 2.0).sum())}"),
         ("missed", f"{wet.missed}"),
         ("Flags raised", f"{wet.flags}"),
         ("of these between both thresholds", f"{wet.early}"),

@@ -44,12 +44,14 @@ def run_detection(console: Console, vessel: Vessel, duration: float, seed: int, 
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise FolderError(f"{folder}: cannot be written: {error.strerror}") from error
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed} of {task.total} methods"))
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
     with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as bar:
         task = bar.add_task("detection", total=len(METHODS))
-        results = run_campaigns(vessel, duration, seed, lambda: bar.advance(task))
+        results = run_campaigns(vessel, duration, seed, lambda done: bar.update(task, completed=done))
     table = Table(
-        title=Text(f"{vessel.name}: ventilation detection, {duration:g} s each of ventilation and of moderate sea")
+        title=Text(
+            f"{vessel.name}: detection in {0.5 * duration:g} s of ventilation and {duration:g} s of moderate sea"
+        )
     )
     table.add_column("")
     for result in results:

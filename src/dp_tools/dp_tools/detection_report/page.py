@@ -32,7 +32,7 @@ def render(vessel: Vessel, results: Sequence[MethodResult], duration: float, see
         rows=[(names[0][0], [value for _, value in names]) for names in zip(*tables, strict=True)],
         facts=[
             ("Vessel", vessel.name),
-            ("Ventilation", f"{duration:g} s"),
+            ("Ventilation", f"{0.5 * duration:g} s"),
             ("Moderate sea", f"{duration:g} s"),
             ("Seed", f"{seed}"),
             ("Sample", f"{vessel.measurement.sample_time:g} s"),
