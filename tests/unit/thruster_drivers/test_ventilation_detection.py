@@ -103,7 +103,7 @@ def test_while_the_motor_torque_rises_fast_nothing_is_flagged(pace: float, expec
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_rapid_reduction_is_not_flagged_whatever_the_sign_of_n(sign: float) -> None:
     """(B.43) holds for n > 0 as printed; for n < 0 it is the shaft speed's size that counts."""
-    watch = monitor("shaft_deceleration")
+    watch = monitor("shaft_deceleration", speed_min=(50.0, 50.0, 5.0, 5.0))  # printed
     feed(watch, sign * FAST, 1.0, 5 * SAMPLE)
     # 11 Hz/s, above the printed 10, for 1.2 s from 20 Hz down to 6.8 Hz, with three quarters of the torque lost.
     flags = feed(watch, sign * FAST, 0.25, 6 * SAMPLE, ramp=-sign * 11.0)

@@ -47,8 +47,8 @@ def least_shaft_speed(vessel: Vessel, torque_slope: FloatArray, on: float, noise
     """Return the n_min (Hz) above which this sea raises one false alarm in ``interval``, shape (n,).
 
     beta_Q = 1 - (B + C x) / n + noise, with B = |a_Q / K_Q0| V_c / D, C the same with sigma_u in the place of the
-    current, and x Gaussian. Their sum goes below ``on`` once in ``interval`` where that is a = sqrt(2 ln(interval / T_z))
-    standard deviations away, [Rice 1944]:
+    current, and x Gaussian. Their sum goes below ``on`` once in ``interval`` where a = sqrt(2 ln(interval / T_z))
+    standard deviations are between, [Rice 1944]:
 
         (m - B / n)^2 = a^2 ((C / n)^2 + noise^2),      m = 1 - on,
 
