@@ -306,7 +306,9 @@ def test_a_law_is_a_live_parameter_and_one_that_a_thruster_cannot_follow_is_refu
 
 def test_pitch_goes_from_feedback_to_set_point(ros: None, tmp_path: Path) -> None:
     vessel = controllable_pitch_vessel()
-    bench = Bench([Parameter("vessel", value=vessel_file(vessel, tmp_path)), Parameter("controller", value="torque_pitch")])
+    bench = Bench(
+        [Parameter("vessel", value=vessel_file(vessel, tmp_path)), Parameter("controller", value="torque_pitch")]
+    )
     try:
         core = Drivers(vessel, DriverSettings(controller="torque_pitch"))
         bench.answer(lambda: bench.command(START))
@@ -374,7 +376,7 @@ def test_ventilation_follows_every_feedback_with_its_stamp(bench: Bench) -> None
     assert not refused.successful
     assert "on must be below off" in refused.reason
     assert bench.node.set_parameters([Parameter("ventilation.enabled", value=False)])[0].successful
-    # Without detection: no flag and no loss, for every feedback all the same, because anti-spin allocation waits for it.
+    # Without detection: no flag and no loss, for every feedback all the same. Anti-spin allocation waits for it.
     for k in (30, 31):
         bench.answer(partial(bench.measure, START + k * STEP, speed))
         bench.until(lambda: len(heard) == k + 1)  # noqa: B023 - called before k changes
@@ -397,7 +399,7 @@ def _round_trip(laws: Sequence[str]) -> list[str]:
 
 
 def test_all_laws_follow_each_other_while_thrusters_turn(ros: None, tmp_path: Path) -> None:
-    """Each law of eight takes over from each other one by parameter, with the simulator's thrusters behind the messages.
+    """Each law of eight takes over from each other one by parameter, the simulator's thrusters behind the messages.
 
     At a switch the torque goes on from where it was, and every answer is the core's.
     """
@@ -457,7 +459,7 @@ def test_all_laws_follow_each_other_while_thrusters_turn(ros: None, tmp_path: Pa
             # dt's rounding, and the drivers read the load off a fine table over the pitch.
             np.testing.assert_allclose(told[-1] - before, moved, rtol=1e-5, atol=1e-9, err_msg=law)
             sail(9)
-        assert all(np.all((0.5 <= ratio) & (ratio <= 1.4)) for ratio in pitch)
+        assert all(np.all((ratio >= 0.5) & (ratio <= 1.4)) for ratio in pitch)
         assert np.ptp(pitch, axis=0).min() > 0.1  # so that pitch laws had their say
         assert bench.health()[:2] == (0, "nominal")
     finally:
@@ -493,7 +495,7 @@ def test_feedback_with_a_wrong_array_is_refused_and_nothing_is_told_of_ventilati
     heard: list[Ventilation] = []
     bench.peer.create_subscription(Ventilation, "ventilation", heard.append, RING)
     bench.until(lambda: bench.node.count_subscribers("ventilation") == 1)
-    content = {name: REST for name in ("shaft_speed", "torque", "power", "azimuth", "azimuth_rate")} | {"name": NAMES}
+    content = dict.fromkeys(("shaft_speed", "torque", "power", "azimuth", "azimuth_rate"), REST) | {"name": NAMES}
     message = ThrusterFeedback(**(content | {field: value}))
     message.header.stamp = from_nanoseconds(START)
     assert reason in bench.refused(lambda: bench.feedback.publish(message))

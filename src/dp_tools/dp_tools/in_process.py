@@ -244,8 +244,8 @@ class ClosedLoop:
         if k and settings.antispin.enabled:
             if self._vessel.drivers.ventilation is None:
                 raise InputError(
-                    f"at {k * self._step_ns * 1e-9:.3f} s: thrust_allocator waits for ventilation, which nobody publishes: "
-                    "antispin.enabled is true, and the vessel has no drivers.ventilation"
+                    f"at {k * self._step_ns * 1e-9:.3f} s: thrust_allocator waits for ventilation, which nobody "
+                    "publishes: antispin.enabled is true, and the vessel has no drivers.ventilation"
                 )
             # Of the feedback before, as on the graph: the drivers answer that of this tick later.
             self._allocator.measure_ventilation(self._log.rows["beta_q2"][k - 1], self._step_ns * 1e-9)

@@ -36,8 +36,8 @@ _SLOW = 0.95  # of the asked rate: below, a warning
 
 # Topics between pose and actuator_setpoint, in the order in which data travels.
 _CHAIN = ("odometry", "tau_desired", "tau_achieved", "thruster_command")
-# Who listens to one of these may wait for it; many a graph does without. Time begins all the same, but a ring that stands
-# still is told of them.
+# Who listens to one of these may wait for it, and many a graph does without. Time begins all the same; where the ring
+# stands still, they are named.
 _ASIDE = ("ventilation",)
 
 

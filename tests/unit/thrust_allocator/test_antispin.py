@@ -60,7 +60,8 @@ def with_thrusters(*rows: dict[str, Any]) -> Vessel:
     ]
     document["power"] = {}
     document["allocator"]["thrust_weight"] = [1.0] * len(rows)
-    document["drivers"]["ventilation"]["speed_min"] = [document["drivers"]["ventilation"]["speed_min"][PORT]] * len(rows)
+    detection = document["drivers"]["ventilation"]
+    detection["speed_min"] = [detection["speed_min"][PORT]] * len(rows)
     return Vessel.model_validate(document)
 
 
