@@ -6,6 +6,7 @@ import math
 import re
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -300,8 +301,7 @@ def test_pitch_goes_from_set_point_to_feedback(graph: Callable[..., Graph], tmp_
     file.write_text(yaml.safe_dump(vessel.model_dump(mode="json")), encoding="utf-8")
     one = graph(**LOCKSTEP, vessel=str(file), sensor_noise=False)
     goal = [0.6, 0.7, 1.2, 1.3]
-    plain = one.drivers.answer
-    one.drivers.answer = lambda stamp: plain(stamp, pitch_ratio=goal)  # type: ignore[method-assign]
+    one.drivers.answer = partial(one.drivers.answer, pitch_ratio=goal)  # type: ignore[method-assign]
     assert one.advance(3.0).success
     pitch = np.array([m.pitch_ratio for m in one.drivers.feedback])
     np.testing.assert_array_equal(pitch[0], vessel.pitch_ratio)

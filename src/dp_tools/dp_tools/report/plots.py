@@ -288,7 +288,7 @@ def ventilation(scene: Scene, span: Span) -> Picture:
         ):
             if name in run:
                 panels.draw(row, run[name].t, run[name].values[:, j], label, color, **line)
-        panels.stretches(row, run["ventilating"].t, run["ventilating"].values[:, j] > 0.5, "flagged", style.DESIRED)
+        panels.stretches(row, run["ventilating"].t, run["ventilating"].values[:, j] > 0.5, "flagged", style.FLAGGED)
         panels.axes[row].set_ylim(0.0, 1.4)
     return Picture(
         "Ventilation: torque loss factors",
