@@ -6,12 +6,15 @@ import math
 import re
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import rclpy
-from dp_msgs.msg import ActuatorSetpoint, ThrusterFeedback
+import yaml
+from dp_msgs.msg import ActuatorSetpoint, ThrusterFeedback, Ventilation
 from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseWithCovarianceStamped, WrenchStamped
 from nav_msgs.msg import Odometry
@@ -25,6 +28,7 @@ from dp_node import RING, RING_PUBLISHER, Level, RingExecutor, from_nanoseconds,
 from marine_model import load_vessel
 from marine_model.errors import InputError
 from marine_model.frames import quaternion_to_heading
+from support.thruster_rig import controllable_pitch_vessel
 from support.waiting import wait_until
 from vessel_sim import Simulator, SimulatorInputs, SimulatorSettings, WaveSettings
 from vessel_sim.node import Phase, VesselSimNode
@@ -268,6 +272,45 @@ def test_pose_waits_for_its_command_and_feedback_for_its_answer(graph: Callable[
     one.wait(done.done, "the run went on")
     assert done.result().success
     assert one.sim.health().level is Level.OK
+
+
+def test_a_ring_that_stands_still_is_told_of_ventilation_that_nobody_publishes(graph: Callable[..., Graph]) -> None:
+    """An allocator with anti-spin waits for it. Time begins without: a display may listen too."""
+    one = graph(**LOCKSTEP, lockstep_timeout=0.1)
+    allocator = one.drivers.create_subscription(Ventilation, "ventilation", lambda _: None, RING)
+    assert one.advance(0.2).success
+    one.drivers.answering = False
+    done = one.ask(0.4)
+    one.wait(lambda: one.sim.health().level is Level.ERROR, "the wait is reported")
+    text = one.sim.health().message
+    assert "lockstep at 0.200 s: waiting for an actuator_setpoint that holds the command" in text
+    assert text.endswith("; nobody publishes ventilation")
+    publisher = one.drivers.create_publisher(Ventilation, "ventilation", RING_PUBLISHER)
+    one.wait(lambda: one.sim.health().message.endswith("every topic of the ring has both ends"), "both ends are there")
+    one.drivers.destroy_publisher(publisher)
+    one.drivers.destroy_subscription(allocator)
+    one.drivers.answering = True
+    one.drivers.command_stamp = 10 * STEP
+    one.drivers.answer(10 * STEP)
+    one.wait(done.done, "the run went on")
+
+
+def test_pitch_goes_from_set_point_to_feedback(graph: Callable[..., Graph], tmp_path: Path) -> None:
+    vessel = controllable_pitch_vessel()
+    file = tmp_path / "vessel.yaml"
+    file.write_text(yaml.safe_dump(vessel.model_dump(mode="json")), encoding="utf-8")
+    one = graph(**LOCKSTEP, vessel=str(file), sensor_noise=False)
+    goal = [0.6, 0.7, 1.2, 1.3]
+    one.drivers.answer = partial(one.drivers.answer, pitch_ratio=goal)  # type: ignore[method-assign]
+    assert one.advance(3.0).success
+    pitch = np.array([m.pitch_ratio for m in one.drivers.feedback])
+    np.testing.assert_array_equal(pitch[0], vessel.pitch_ratio)
+    servo = vessel.thrusters[0].pitch
+    assert servo is not None
+    # Never faster than the servo, and there within e^-5 of the way after the rate limit has let go.
+    assert np.abs(np.diff(pitch, axis=0)).max() <= servo.rate * 0.02 * (1.0 + 1e-9)  # rounding
+    np.testing.assert_allclose(pitch[-1], goal, atol=math.exp(-5.0))
+    assert np.all(np.sign(np.diff(pitch[:10], axis=0)) == np.sign(np.array(goal) - vessel.pitch_ratio))
 
 
 def test_lockstep_says_that_the_graph_is_not_there(graph: Callable[..., Graph]) -> None:

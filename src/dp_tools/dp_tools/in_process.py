@@ -242,6 +242,11 @@ class ClosedLoop:
             power = self._log.rows["power"][k - 1]
             self._allocator.measure_power(float(power[settings.enabled(self._vessel)].sum()))
         if k and settings.antispin.enabled:
+            if self._vessel.drivers.ventilation is None:
+                raise InputError(
+                    f"at {k * self._step_ns * 1e-9:.3f} s: thrust_allocator waits for ventilation, which nobody "
+                    "publishes: antispin.enabled is true, and the vessel has no drivers.ventilation"
+                )
             # Of the feedback before, as on the graph: the drivers answer that of this tick later.
             self._allocator.measure_ventilation(self._log.rows["beta_q2"][k - 1], self._step_ns * 1e-9)
         answer = self._allocator.step(demand.tau_desired, elapsed)

@@ -119,20 +119,19 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._tally = Tally()
 
     def _on_feedback(self, message: Any) -> None:
-        if self.settings.power.needs_measurement:
-            self._keep(
-                self._power,
-                message,
-                lambda: finite_vector("thruster_feedback: power", message.power, len(self._names))[
-                    self._order("thruster_feedback", message)
-                ],
-            )
+        self._keep(
+            self._power,
+            message,
+            lambda: finite_vector("thruster_feedback: power", message.power, len(self._names))[
+                self._order("thruster_feedback", message)
+            ],
+            needed=self.settings.power.needs_measurement,
+        )
         if self._waiting:
             self._start_from(message)
 
     def _on_ventilation(self, message: Any) -> None:
-        if self.settings.antispin.enabled:
-            self._keep(self._ventilation, message, lambda: self._torque_loss(message))
+        self._keep(self._ventilation, message, lambda: self._torque_loss(message), self.settings.antispin.enabled)
 
     def _torque_loss(self, message: Any) -> FloatArray:
         """Return beta_Q2 in the order of the vessel file."""
@@ -141,11 +140,18 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             raise InputError(f"ventilation: beta_q2: expected factors from 0 to 1, found {loss.tolist()}")
         return loss[self._order(VENTILATION, message)]
 
-    def _keep(self, inbox: Inbox[FloatArray], message: Any, read: Callable[[], FloatArray]) -> None:
-        """Put what ``read`` returns into ``inbox``, and answer the demand that waited for it."""
+    def _keep(self, inbox: Inbox[FloatArray], message: Any, read: Callable[[], FloatArray], needed: bool) -> None:
+        """Put what ``read`` returns into ``inbox``, and answer the demand that waited for it.
+
+        What is not ``needed`` now is kept too: once switched on, a demand waits for what came a time step before it,
+        which may have come before the switch.
+        """
         found = None
         try:
             found = read()
+        except InputError:
+            if needed:
+                raise
         finally:
             # Refused or not: a demand that waits is answered, or the ring would stand still.
             inbox.put(to_nanoseconds(message.header.stamp), found)

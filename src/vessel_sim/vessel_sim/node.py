@@ -36,6 +36,9 @@ _SLOW = 0.95  # of the asked rate: below, a warning
 
 # Topics between pose and actuator_setpoint, in the order in which data travels.
 _CHAIN = ("odometry", "tau_desired", "tau_achieved", "thruster_command")
+# Who listens to one of these may wait for it, and many a graph does without. Time begins all the same; where the ring
+# stands still, they are named.
+_ASIDE = ("ventilation",)
 
 
 class Phase(Enum):
@@ -296,6 +299,11 @@ class VesselSimNode(DpNode[NodeSettings]):
             stamp, command = (f"{ns * 1e-9:.3f} s" for ns in self._answered)
             text += f"; the last actuator_setpoint answers {stamp} and holds the command for {command}"
         missing = self._missing()
+        missing += [
+            f"nobody publishes {topic}"
+            for topic in _ASIDE
+            if self.count_subscribers(topic) > 0 and self.count_publishers(topic) == 0
+        ]
         return f"{text}; {', '.join(missing) if missing else 'every topic of the ring has both ends'}"
 
     def health(self) -> Health:

@@ -54,6 +54,17 @@ def run_b(vessel: Vessel) -> tuple[Scenario, RunData]:
     return scenario, sail(vessel, scenario)
 
 
+def test_antispin_without_anybody_who_tells_of_ventilation_is_refused(vessel: Vessel) -> None:
+    """On the graph an external sensor may; here there is none."""
+    document = vessel.model_dump()
+    document["drivers"]["ventilation"] = None
+    event = {"at": 1.0, "parameters": {"thrust_allocator": {"antispin.enabled": True}}}
+    with pytest.raises(
+        InputError, match=r"at 1\.000 s: thrust_allocator waits for ventilation, which nobody publishes"
+    ):
+        ClosedLoop(Vessel.model_validate(document), trial(2.0, events=[event])).run()
+
+
 # Order and time ------------------------------------------------------------------------------------------------------
 
 

@@ -7,6 +7,7 @@ import dataclasses
 import re
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from dp_tools.report.page import number, with_unit, write_report
+from dp_tools.report.panels import Panels
 from dp_tools.report.picture import write_picture
 from dp_tools.report.thinning import break_turns, thin
 from dp_tools.run_data import RunData, RunInfo, Series
@@ -123,6 +125,41 @@ def test_table_has_ours_beside_the_thesis(page: str, scenario: Scenario) -> None
     assert scenario.figures[0].reason in text
     assert "at most 12.04 deg: held" in text
     assert "Held: no violation in" in text
+
+
+def test_quantities_are_told_in_the_reader_s_units(
+    run: RunData, scenario: Scenario, vessel: Vessel, tmp_path: Path
+) -> None:
+    """A share in per cent, and a limit without zeros that nobody gave."""
+    figures: list[dict[str, Any]] = [
+        {
+            "name": "share",
+            "kind": "ventilating_share",
+            "title": "Share",
+            "window": "all",
+            "thruster": vessel.thruster_names[2],
+        },
+        {"name": "deviation", "kind": "force_deviation", "title": "Deviation", "window": "all", "axis": "surge"}
+        | {"at_most": 0.05},
+    ]
+    changed = scenario.model_dump(mode="json") | {"figures": figures, "close_ups": [], "windows": {"all": [0.0, 100.0]}}
+    page = write_report(run, Scenario.model_validate(changed), vessel, tmp_path).read_text(encoding="utf-8")
+    text = Page(page).text
+    assert "10.0 %" in text  # one second in ten
+    assert "at most 0.05 N" in text
+
+
+def test_flags_of_ventilation_are_bars_at_the_foot(scenario: Scenario) -> None:
+    panels = Panels(("one", "two"), scenario, (2.0, 6.0))
+    t = np.arange(0.0, 10.0, 0.5)
+    flags = np.isin(t, [0.5, 3.0, 3.5, 5.0, 9.5])
+    panels.stretches(0, t, flags, "flagged", "red")
+    panels.stretches(1, t, np.zeros_like(flags), "flagged", "red")
+    (bars,) = panels.axes[0].collections
+    # Those in view, each to the first sample without a flag.
+    spans = [path.get_extents().intervalx.tolist() for path in bars.get_paths()]
+    assert spans == [[3.0, 4.0], [5.0, 5.5]]
+    assert not panels.axes[1].collections
 
 
 def test_same_run_gives_the_same_page(

@@ -338,6 +338,7 @@ def test_a_search_over_too_many_angles_is_refused_before_it_is_accepted(method: 
     for name in ("azimuth_mid_port", "azimuth_mid_starboard"):
         document["thrusters"].append(document["thrusters"][1] | {"name": name})
     document["allocator"]["thrust_weight"] += [1.2, 1.2]
+    document["drivers"]["ventilation"]["speed_min"] += [5.0, 5.0]
     larger = Vessel.model_validate(document)
     settings = AllocatorSettings.for_vessel(larger, singularity=SingularitySettings(method=method))
     with pytest.raises(InputError, match="expected three_step with more than 4 azimuth thrusters"):

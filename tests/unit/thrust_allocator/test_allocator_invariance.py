@@ -160,6 +160,7 @@ def test_forces_scale_together(options: dict[str, Any], factor: float) -> None:
     for thruster in document["thrusters"]:
         for limit in ("min", "max", "rate"):
             thruster["thrust"][limit] *= factor
+        thruster["shaft"]["torque_max"] *= max(factor, 1.0)  # the motor has to reach the largest thrust
     other_vessel = Vessel.model_validate(document)
     one, other = Allocator(VESSEL, chosen(VESSEL, options)), Allocator(other_vessel, chosen(other_vessel, options))
     for tau in demands(35):

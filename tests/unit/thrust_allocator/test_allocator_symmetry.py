@@ -34,6 +34,7 @@ def stronger(vessel: Vessel, factor: float) -> Vessel:
     for thruster in document["thrusters"]:
         for limit in ("min", "max", "rate"):
             thruster["thrust"][limit] *= factor
+        thruster["shaft"]["torque_max"] *= max(factor, 1.0)  # the motor has to reach the largest thrust
     return Vessel.model_validate(document)
 
 

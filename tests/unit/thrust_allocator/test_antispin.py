@@ -60,6 +60,8 @@ def with_thrusters(*rows: dict[str, Any]) -> Vessel:
     ]
     document["power"] = {}
     document["allocator"]["thrust_weight"] = [1.0] * len(rows)
+    detection = document["drivers"]["ventilation"]
+    detection["speed_min"] = [detection["speed_min"][PORT]] * len(rows)
     return Vessel.model_validate(document)
 
 

@@ -21,6 +21,7 @@ def with_thrusters(thrusters: list[dict[str, Any]]) -> Vessel:
     """The vessel with other thrusters, on no power bus."""
     document = VESSEL.model_dump() | {"thrusters": thrusters, "power": {}}
     document["allocator"]["thrust_weight"] = [1.0] * len(thrusters)
+    document["drivers"]["ventilation"]["speed_min"] = [5.0] * len(thrusters)
     return Vessel.model_validate(document)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from dp_tools.figure_specs import MeanPowerChange, ThrustLevelChange
+from dp_tools.figure_specs import MeanPowerChange, ThrustLevelChange, VentilatingShare
 from dp_tools.figures import Figure, compute_figures, write_figures
 from dp_tools.limits import LimitCheck, limits_violations
 from dp_tools.report.plots import Picture, Scene, close_up_pictures, pictures
@@ -156,7 +156,15 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
 def _quantity(figure: Figure, value: float) -> str:
     if isinstance(figure.spec, RELATIVE):
         return f"{100.0 * value:+.1f} %".replace("-", "−")
+    if isinstance(figure.spec, VentilatingShare):
+        return f"{100.0 * value:.1f} %".replace("-", "−")
     return with_unit(value, figure.unit)
+
+
+def _limit(figure: Figure, value: float) -> str:
+    """Return a limit as it was given: 0.05 N, not 0.05000 N."""
+    size, space, unit = with_unit(value, figure.unit, 4).partition(" ")
+    return (size.rstrip("0").rstrip(".") if "." in size and "e" not in size else size) + space + unit
 
 
 def _figure_row(figure: Figure) -> FigureRow:
@@ -178,7 +186,7 @@ def _figure_row(figure: Figure) -> FigureRow:
         interval=interval,
         thesis="" if spec.thesis is None else _quantity(figure, spec.thesis),
         difference=difference.replace("-", "−"),
-        bound="" if spec.at_most is None else f"at most {with_unit(spec.at_most, figure.unit, 4)}",
+        bound="" if spec.at_most is None else f"at most {_limit(figure, spec.at_most)}",
         held=figure.held,
         remark=" ".join(part for part in (spec.reason, f"({spec.source})" if spec.source else "") if part),
     )

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from dp_tools.report import style
 from dp_tools.report.thinning import thin
@@ -18,7 +19,7 @@ from marine_model.guards import FloatArray
 
 WIDTH = 10.6  # inch
 # Fixed margins (inch), so that the time axes of all pictures on a page stand beneath one another.
-_LEFT, _RIGHT, _BOTTOM, _GAP, _GAP_LEGEND = 0.92, 0.12, 0.5, 0.14, 0.36
+_LEFT, _RIGHT, _BOTTOM, _GAP, _GAP_LEGEND = 0.92, 0.2, 0.5, 0.14, 0.36
 _TOP_LEGEND, _TOP_LABELS, _TOP_SLANTED = 0.3, 0.17, 0.42
 # More labels than this stand at an angle, or they run into one another.
 _LEVEL_LABELS = 5
@@ -87,6 +88,21 @@ class Panels:
         inside = (t >= self.span[0] - 1e-6) & (t <= self.span[1] + 1e-6)
         (drawn,) = self.axes[panel].plot(*thin(t[inside], values[inside]), color=color, label=label, **line)
         self._handles[panel].setdefault(label, drawn)
+
+    def stretches(self, panel: int, t: FloatArray, flags: NDArray[np.bool_], label: str, color: str) -> None:
+        """Draw when ``flags`` are up as bars at the foot of a panel."""
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
+        first, after = edges[::2], np.minimum(edges[1::2], len(t) - 1)
+        bars = [
+            (start, end - start)
+            for start, end in zip(t[first].tolist(), t[after].tolist(), strict=True)
+            if end >= self.span[0] and start <= self.span[1]
+        ]
+        if bars:
+            axis = self.axes[panel]
+            drawn = axis.broken_barh(bars, (0.0, 0.07), color=color, transform=axis.get_xaxis_transform(), zorder=3)
+            drawn.set_label(label)
+            self._handles[panel].setdefault(label, drawn)
 
     def level(self, panel: int, value: float, label: str) -> None:
         """Draw a limit as a thin level line."""
@@ -174,9 +190,10 @@ class Panels:
         return svg_uri(self.figure)
 
     def _mark(self, axis: Any, scenario: Scenario, marked: Sequence[str]) -> None:
-        for i, name in enumerate(marked):
-            start, end = scenario.windows[name]
-            axis.axvspan(start, end, color=style.WINDOWS[i % len(style.WINDOWS)], linewidth=0, zorder=0)
+        spans = [(scenario.windows[name], style.WINDOWS[i % len(style.WINDOWS)]) for i, name in enumerate(marked)]
+        # The longest first, so that a window within another is seen.
+        for (start, end), color in sorted(spans, key=lambda entry: entry[0][0] - entry[0][1]):
+            axis.axvspan(start, end, color=color, linewidth=0, zorder=0)
         for event in scenario.events:
             if event.at > self.span[0] and event.at < self.span[1]:
                 axis.axvline(event.at, color=style.MUTED, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)

@@ -288,12 +288,13 @@ def ventilation(scene: Scene, span: Span) -> Picture:
         ):
             if name in run:
                 panels.draw(row, run[name].t, run[name].values[:, j], label, color, **line)
+        panels.stretches(row, run["ventilating"].t, run["ventilating"].values[:, j] > 0.5, "flagged", style.FLAGGED)
         panels.axes[row].set_ylim(0.0, 1.4)
     return Picture(
         "Ventilation: torque loss factors",
         "True loss to air, once a sample of the control system; observed propeller torque over that of a propeller "
         "without loss in still water (β_Q; waves move it about 1 as well); what is remembered of it while a thruster "
-        "ventilates (β_Q2), and what raises its cost in the allocator.",
+        "ventilates (β_Q2), and what raises its cost in the allocator. Bars at the foot: flagged as ventilating.",
         panels.image(),
         "Torque loss factors of ventilating thrusters over time",
     )
@@ -316,8 +317,10 @@ def track(scene: Scene, span: Span) -> Picture:
     scale, unit = (1000.0, "mm") if farthest < 0.1 else (1.0, "m")
     for name, part, color in parts:
         place = scale * part.values
-        axis.plot(place[:, 1], place[:, 0], color=color, linewidth=1.0, label=name)
-        axis.plot(place[0, 1], place[0, 0], marker="o", markersize=4.5, color=color)
+        # A shorter part over a longer one, which may hold it.
+        height = 3.0 - len(part.t) / len(estimate.t)
+        axis.plot(place[:, 1], place[:, 0], color=color, linewidth=1.0, label=name, zorder=height)
+        axis.plot(place[0, 1], place[0, 0], marker="o", markersize=4.5, color=color, zorder=3.0)
     axis.set_xlabel(f"east ({unit})")
     axis.set_ylabel(f"north ({unit})")
     figure.legend(loc="outside upper right", ncols=4)
