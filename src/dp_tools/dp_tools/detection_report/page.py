@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from matplotlib.figure import Figure as Canvas
 
 from dp_tools.detection_report.campaigns import MethodResult, confusion
 from dp_tools.report import style
 from dp_tools.report.panels import svg_uri
+from dp_tools.report.template import fill_in
 from marine_model import Vessel
 
 _BIN = 0.02  # s, width of a bar
@@ -18,15 +18,9 @@ _BIN = 0.02  # s, width of a bar
 
 def render(vessel: Vessel, results: Sequence[MethodResult], duration: float, seed: int) -> str:
     """Return the page as HTML text; it refers to nothing outside itself."""
-    environment = Environment(
-        loader=PackageLoader("dp_tools.report"),
-        autoescape=select_autoescape(default=True),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     tables = [confusion(result) for result in results]
-    return environment.get_template("detection.html").render(
+    return fill_in(
+        "detection.html",
         vessel=vessel,
         titles=[result.title for result in results],
         rows=[(names[0][0], [value for _, value in names]) for names in zip(*tables, strict=True)],

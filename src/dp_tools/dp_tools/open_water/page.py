@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-
 from dp_tools.open_water.measures import MEASURES
 from dp_tools.open_water.outcome import Outcome
 from dp_tools.open_water.plots import pictures
 from dp_tools.open_water.texts import figure_row, rows, sentence
 from dp_tools.open_water.trial import Trial
+from dp_tools.report.template import fill_in
 
 
 def render(outcome: Outcome) -> str:
     """Return the page as HTML text; it refers to nothing outside itself."""
-    environment = Environment(
-        loader=PackageLoader("dp_tools.report"),
-        autoescape=select_autoescape(default=True),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     trial = outcome.trial
-    return environment.get_template("open_water.html").render(
+    return fill_in(
+        "open_water.html",
         outcome=outcome,
         trial=trial,
         facts=_facts(trial),

@@ -6,13 +6,12 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-
 from dp_tools.figure_specs import MeanPowerChange, ThrustLevelChange, VentilatingShare
 from dp_tools.figures import Figure, compute_figures, write_figures
 from dp_tools.limits import LimitCheck, limits_violations
 from dp_tools.report.plots import Picture, Scene, close_up_pictures, pictures
 from dp_tools.report.style import plot_style
+from dp_tools.report.template import fill_in
 from dp_tools.run_data import RunData
 from dp_tools.scenario import Scenario
 from marine_model import Vessel
@@ -107,14 +106,8 @@ def render(run: RunData, scenario: Scenario, vessel: Vessel, figures: tuple[Figu
             (c.title, _span_text(scenario.windows[c.window]), list(close_up_pictures(scene, c.window)))
             for c in scenario.close_ups
         ]
-    environment = Environment(
-        loader=PackageLoader("dp_tools.report"),
-        autoescape=select_autoescape(default=True),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template("report.html").render(
+    return fill_in(
+        "report.html",
         run=run,
         scenario=scenario,
         vessel=vessel,
