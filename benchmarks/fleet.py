@@ -45,11 +45,14 @@ def with_thrusters(vessel: Vessel, count: int) -> Vessel:
         )
     gains = vessel.allocator
     weights = tuple(gains.thrust_weight[i % own] for i in range(count))
+    # The allocator is what is measured: no detection, whose least shaft speeds belong to the thrusters there are.
+    drivers = vessel.drivers.model_copy(update={"ventilation": None})
     # Through the schema once more, which also checks the result.
     document = vessel.model_dump() | {
         "name": f"{vessel.name}_{count}",
         "thrusters": tuple(thruster.model_dump() for thruster in thrusters),
         "allocator": gains.model_copy(update={"thrust_weight": weights}).model_dump(),
+        "drivers": drivers.model_dump(),
     }
     return Vessel.model_validate(document)
 
