@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import re
 import subprocess
 import sys
@@ -158,6 +159,32 @@ def test_cores_run_without_ros(package: str) -> None:
         check=False,
     )
     assert answer.returncode == 0, answer.stderr
+
+
+LIGHT = """
+import sys
+import dp_controller, dp_observer
+from marine_model import load_vessel
+load_vessel("cybership3").propellers
+print(*sorted({"numba", "scipy"} & set(sys.modules)))
+"""
+
+
+def test_observer_and_controller_load_no_compiler() -> None:
+    """Each is a process of its own, and a compiler and SciPy that it never uses would cost it 50 MB."""
+    answer = subprocess.run(
+        [sys.executable, "-c", LIGHT],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+        env={
+            **os.environ,
+            "PYTHONPATH": ":".join(str(SOURCE / name) for name in (VOCABULARY, "dp_observer", "dp_controller")),
+        },
+    )
+    assert answer.returncode == 0, answer.stderr
+    assert answer.stdout.strip() == ""
 
 
 # Names that rosdep has for what we import from PyPI; others come with the project's lock file.

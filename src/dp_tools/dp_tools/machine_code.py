@@ -16,7 +16,7 @@ import numpy as np
 
 from marine_model import load_vessel
 from marine_model.propellers.kernel import load, thrust_torque
-from marine_model.ventilation import VentilationModel
+from marine_model.ventilation.static import VentilationModel
 from thrust_allocator.allocator import Allocator
 from thrust_allocator.attainable import largest_ball, scale_to_boundary
 from thrust_allocator.attainable.force_set import force_set

@@ -22,7 +22,7 @@ from marine_model import load_vessel
 from marine_model.load import vessel_path
 from marine_model.propeller_file import load_propeller
 from marine_model.propellers.optimal import advance_number, optimal_pitch
-from marine_model.ventilation import VentilationModel
+from marine_model.ventilation.static import VentilationModel
 from support.dp_here import Dp, dp_here
 from thruster_drivers.sensitivity import closed_form, nominal_coefficients
 from thruster_drivers.sensitivity.efficiency import fixed_pitch, torque_shaft_speed

@@ -13,8 +13,8 @@ from pydantic import ValidationError
 
 from marine_model import load_vessel
 from marine_model.errors import DocumentError
-from marine_model.ventilation import VentilationData, VentilationModel, table
-from marine_model.ventilation.static import thrust_loss
+from marine_model.ventilation import VentilationData, table
+from marine_model.ventilation.static import VentilationModel, thrust_loss
 
 
 def table_2_5() -> VentilationData:

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from marine_model import load_vessel
 from marine_model.errors import InputError
-from marine_model.ventilation import LossRates, VentilationData, VentilationModel, extrapolated, shifted
-from marine_model.ventilation.dynamic import extrapolate, limited_rise
+from marine_model.ventilation import VentilationData
+from marine_model.ventilation.dynamic import LossRates, extrapolate, extrapolated, limited_rise, shifted
+from marine_model.ventilation.static import VentilationModel
 
 
 def table_2_5() -> VentilationData:

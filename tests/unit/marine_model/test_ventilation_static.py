@@ -11,8 +11,14 @@ from hypothesis import strategies as st
 
 from marine_model import load_vessel
 from marine_model.errors import InputError
-from marine_model.ventilation import VentilationData, VentilationModel
-from marine_model.ventilation.static import loss_factors, modified_froude_number, thrust_loss, wetted_area
+from marine_model.ventilation import VentilationData
+from marine_model.ventilation.static import (
+    VentilationModel,
+    loss_factors,
+    modified_froude_number,
+    thrust_loss,
+    wetted_area,
+)
 
 
 def table_2_5() -> VentilationData:

@@ -19,7 +19,7 @@ from marine_model.propellers.optimal import advance_number, optimal_pitch, pitch
 from marine_model.propellers.optimal import efficiency as efficiency_at
 from marine_model.propellers.zero_thrust import last_advance_number
 from marine_model.root import rising_root
-from marine_model.ventilation import VentilationModel
+from marine_model.ventilation.static import VentilationModel
 from thruster_drivers.sensitivity import Sensitivity, closed_form, nominal_coefficients
 from thruster_drivers.sensitivity import efficiency as controllers
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, positive_number
-from marine_model.propellers.kernel import BREAKS, END, KIND, PIECEWISE, PITCH_MAX, PITCH_MIN
+from marine_model.propellers.rows import BREAKS, END, KIND, PIECEWISE, PITCH_MAX, PITCH_MIN
 
 OutOfRange = Literal["error", "clamp"]
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_number, positive_number
 from marine_model.propellers.base import FirstQuadrantModel
-from marine_model.propellers.kernel import KIND, LINEAR
+from marine_model.propellers.rows import KIND, LINEAR
 
 
 class BollardPropeller(FirstQuadrantModel):

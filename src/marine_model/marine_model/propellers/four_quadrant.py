@@ -11,8 +11,8 @@ from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from marine_model.propellers.base import PropellerModel
 from marine_model.propellers.conversion import advance_angle_of, four_quadrant_scale, open_water_coefficients
-from marine_model.propellers.kernel import BREAKS, FOURIER, HARMONICS, KIND, PITCH_MAX, PITCH_MIN
 from marine_model.propellers.pitch_interpolation import PitchInterpolation
+from marine_model.propellers.rows import BREAKS, FOURIER, HARMONICS, KIND, PITCH_MAX, PITCH_MIN
 from marine_model.propellers.tabulated import Fault, Rows, pitch_fault, pitch_range, shape_fault
 
 SERIES = ("thrust_cosine", "thrust_sine", "torque_cosine", "torque_sine")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from marine_model.guards import FloatArray
 
@@ -29,11 +28,16 @@ class PitchInterpolation:
         """Return what every known pitch ratio counts for at ``pitch_ratio``: shape (*shape of it, p)."""
         if len(self._pitch_ratio) == 1:
             return np.ones((*np.shape(pitch_ratio), 1))
+        # SciPy is loaded where a table is: observer and controller, which read vessel files, do without.
+        from scipy.interpolate import CubicSpline
+
         return np.asarray(CubicSpline(self._pitch_ratio, np.eye(len(self._pitch_ratio)))(pitch_ratio))
 
     def pieces(self, values: FloatArray) -> FloatArray:
         """Return the polynomials of ``values``, shape (p, ...): shape (pieces, ..., terms), lowest power first."""
         if len(self._pitch_ratio) == 1:
             return values[..., None]
+        from scipy.interpolate import CubicSpline
+
         coefficients = np.asarray(CubicSpline(self._pitch_ratio, values, axis=0).c)
         return np.moveaxis(coefficients[::-1], 0, -1)

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import PchipInterpolator
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_number
@@ -57,6 +56,9 @@ class TabulatedPropeller(FirstQuadrantModel):
         super().__init__(diameter, pitch_ratio, pitch_range(pitches.tolist(), pitch_ratio))
         self._interpolation = PitchInterpolation(pitches)
         self._advance = np.array(advance_number, dtype=np.float64)
+        # SciPy is loaded where a table is: observer and controller, which read vessel files, do without.
+        from scipy.interpolate import PchipInterpolator
+
         self._curves = tuple(
             PchipInterpolator(self._advance, np.array(rows, dtype=np.float64), axis=1)
             for rows in (thrust_coefficient, torque_coefficient)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_number
 from marine_model.propellers.base import FirstQuadrantModel
-from marine_model.propellers.kernel import END_STEPS
+from marine_model.propellers.rows import END_STEPS
 
 BLADES = (2, 7)
 AREA_RATIO = (0.3, 1.05)

@@ -1,7 +1,8 @@
-"""Loss of thrust and torque by ventilation and by leaving the water, [Ruth] 2.3."""
+"""Loss of thrust and torque by ventilation and by leaving the water, [Ruth] 2.3.
+
+``static`` and ``dynamic`` are machine code: who only reads vessel files does without them.
+"""
 
 from marine_model.ventilation.data import VentilationData
-from marine_model.ventilation.dynamic import LossRates, extrapolated, shifted
-from marine_model.ventilation.static import LossFactors, VentilationModel
 
-__all__ = ["LossFactors", "LossRates", "VentilationData", "VentilationModel", "extrapolated", "shifted"]
+__all__ = ["VentilationData"]
