@@ -16,12 +16,19 @@ class FolderError(DpError):
     """A run folder cannot be used."""
 
 
-def make_writable(folder: Path) -> None:
-    """Make ``folder``, before the work that shall end up in it. Raises FolderError if it cannot be written."""
+def make_writable(folder: Path, *inside: str) -> None:
+    """Make ``folder`` and those ``inside`` it, before the work that shall end up there.
+
+    Raises
+    ------
+    FolderError
+        If one of them cannot be written.
+    """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / ".writable").touch()
-        (folder / ".writable").unlink()
+        for each in (folder, *(folder / name for name in inside)):
+            each.mkdir(parents=True, exist_ok=True)
+            (each / ".writable").touch()
+            (each / ".writable").unlink()
     except OSError as error:
         raise FolderError(f"{folder}: cannot be written: {error.strerror}") from error
 
@@ -59,12 +66,7 @@ class RunFolder:
             # What goes is the recorder's to judge: it replaces a bag and nothing else.
             if not overwrite:
                 raise FolderError(f"{self.bag}: holds a recording; choose another --output, or --overwrite it")
-        try:
-            self.logs.mkdir(parents=True, exist_ok=True)
-            (self.path / ".writable").touch()
-            (self.path / ".writable").unlink()
-        except OSError as error:
-            raise FolderError(f"{self.path}: cannot be written: {error.strerror}") from error
+        make_writable(self.path, self.logs.name)
 
 
 @dataclass(frozen=True)

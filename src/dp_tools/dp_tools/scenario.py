@@ -14,7 +14,7 @@ from dp_tools.node_settings import SIMULATOR, default_settings
 from dp_tools.workspace import share
 from marine_model import Vessel, load_vessel
 from marine_model.errors import DocumentError, InputError, UnknownNameError
-from marine_model.named_files import file_names, is_path, named_file
+from marine_model.named_files import file_names, named_file
 from marine_model.schema import NonNegative, Positive, Section, Vector3
 from marine_model.settings import Settings, read_only_parameters, with_parameters
 from marine_model.yaml_document import FieldPath, YamlDocument, read_yaml
@@ -128,8 +128,7 @@ def scenario_names() -> tuple[str, ...]:
 
 def scenario_path(name_or_path: str | Path) -> Path:
     """Return the file of a scenario. Raises UnknownNameError, WorkspaceError."""
-    # A path needs no workspace.
-    return named_file("scenario", name_or_path, Path() if is_path(name_or_path) else scenario_folder())
+    return named_file("scenario", name_or_path, scenario_folder)
 
 
 def load_scenario(name_or_path: str | Path, vessel: Vessel | None = None) -> Scenario:

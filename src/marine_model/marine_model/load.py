@@ -42,7 +42,7 @@ def load_vessel(name_or_path: str | Path) -> Vessel:
 
 def vessel_path(name_or_path: str | Path) -> Path:
     """Return the file of a vessel. Raises UnknownNameError."""
-    return named_file("vessel", name_or_path, VESSEL_FOLDER)
+    return named_file("vessel", name_or_path, lambda: VESSEL_FOLDER)
 
 
 def _merged(path: Path, chain: tuple[Path, ...]) -> YamlDocument:

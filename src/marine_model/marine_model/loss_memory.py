@@ -85,6 +85,7 @@ class LossMemory:
         flags = np.asarray(ventilating, dtype=bool)
         if flags.shape != (self._count,):
             raise InputError(f"ventilating: expected shape ({self._count},), found {flags.shape}")
-        target = np.where(flags, np.minimum(factor, 1.0), 1.0)
-        self._held = np.minimum(target, self._held + self._rate * elapsed)
+        told = zip(flags.tolist(), factor.tolist(), self._held.tolist(), strict=True)
+        rise = self._rate * elapsed
+        self._held = np.array([remembered(flag, beta, held, rise) for flag, beta, held in told], dtype=np.float64)
         return self._held.copy()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from marine_model.errors import UnknownNameError
@@ -12,13 +13,7 @@ def file_names(folder: Path) -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in folder.glob("*.yaml")))
 
 
-def is_path(name_or_path: str | Path) -> bool:
-    """Return whether this is a path, with a folder or a suffix, and no name."""
-    path = Path(name_or_path)
-    return path.suffix in (".yaml", ".yml") or len(path.parts) > 1
-
-
-def named_file(kind: str, name_or_path: str | Path, folder: Path) -> Path:
+def named_file(kind: str, name_or_path: str | Path, find_folder: Callable[[], Path]) -> Path:
     """Return the file that is meant.
 
     Parameters
@@ -26,9 +21,9 @@ def named_file(kind: str, name_or_path: str | Path, folder: Path) -> Path:
     kind
         What it describes, for the message: "vessel".
     name_or_path
-        A name out of ``file_names(folder)``, or a path.
-    folder
-        Where the files with names are.
+        A name out of ``file_names`` of the folder, or a path: anything with a folder or a suffix.
+    find_folder
+        Returns where the files with names are; asked for a name only, as a path needs no such folder.
 
     Raises
     ------
@@ -36,10 +31,11 @@ def named_file(kind: str, name_or_path: str | Path, folder: Path) -> Path:
         If there is no such file.
     """
     path = Path(name_or_path)
-    if is_path(path):
+    if path.suffix in (".yaml", ".yml") or len(path.parts) > 1:
         if not path.is_file():
             raise UnknownNameError(f"{kind}: no such file: {path}")
         return path
+    folder = find_folder()
     known = folder / f"{path}.yaml"
     if not known.is_file():
         raise UnknownNameError(

@@ -89,5 +89,6 @@ def load_propeller(name_or_path: str | Path) -> PropellerFile:
     DocumentError
         If the file cannot be read or breaks the schema: one line per problem, with file, line and field.
     """
-    document = with_propeller_data(read_yaml(named_file("propeller", name_or_path, PROPELLER_FOLDER)))
+    path = named_file("propeller", name_or_path, lambda: PROPELLER_FOLDER)
+    document = with_propeller_data(read_yaml(path))
     return validate(document.content, PropellerFile, document)

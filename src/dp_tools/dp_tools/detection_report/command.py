@@ -12,7 +12,7 @@ from rich.text import Text
 
 from dp_tools.detection_report.campaigns import METHODS, confusion, run_campaigns
 from dp_tools.detection_report.page import render
-from dp_tools.run_files import FolderError
+from dp_tools.run_files import FolderError, make_writable
 from marine_model import Vessel
 
 PAGE, NUMBERS = "detection.html", "detection.json"
@@ -40,10 +40,7 @@ def run_detection(console: Console, vessel: Vessel, duration: float, seed: int, 
         If the folder cannot be written.
     """
     folder = (output or Path("detection") / vessel.name).absolute()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FolderError(f"{folder}: cannot be written: {error.strerror}") from error
+    make_writable(folder)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
     with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as bar:
         task = bar.add_task("detection", total=len(METHODS))

@@ -9,7 +9,7 @@ from dp_tools.open_water.trial import Trial
 from dp_tools.workspace import share
 from marine_model.errors import DocumentError
 from marine_model.load import with_propeller_data
-from marine_model.named_files import file_names, is_path, named_file
+from marine_model.named_files import file_names, named_file
 from marine_model.schema import FieldError
 from marine_model.yaml_document import read_yaml
 
@@ -42,15 +42,10 @@ def load_trial(name_or_path: str | Path) -> Trial:
     WorkspaceError
         If a name is asked for and dp_bringup is not built.
     """
-    document = with_propeller_data(read_yaml(_path(name_or_path)))
+    document = with_propeller_data(read_yaml(named_file("trial", name_or_path, trial_folder)))
     trial = document.validate(Trial)
     try:
         controllers_of(trial, rig_of(trial))
     except FieldError as error:
         raise DocumentError(document.problem(error.field, str(error))) from error
     return trial
-
-
-def _path(name_or_path: str | Path) -> Path:
-    # A path needs no workspace.
-    return named_file("trial", name_or_path, Path() if is_path(name_or_path) else trial_folder())

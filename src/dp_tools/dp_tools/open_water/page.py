@@ -16,6 +16,7 @@ def render(outcome: Outcome) -> str:
     return fill_in(
         "open_water.html",
         outcome=outcome,
+        subject=trial,
         trial=trial,
         facts=_facts(trial),
         rows=rows(outcome),

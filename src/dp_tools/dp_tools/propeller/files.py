@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from dp_tools.propeller.study import Columns, Study
-from dp_tools.run_files import FolderError
+from dp_tools.run_files import FolderError, make_writable
 from thruster_drivers.sensitivity import Sensitivity
 
 
@@ -25,14 +25,7 @@ class PropellerFolder:
 
     def prepare(self, studies: Sequence[str]) -> None:
         """Make the folders. Raises FolderError if they cannot be written."""
-        try:
-            for name in studies:
-                folder = self.path / name
-                folder.mkdir(parents=True, exist_ok=True)
-                (folder / ".writable").touch()
-                (folder / ".writable").unlink()
-        except OSError as error:
-            raise FolderError(f"{self.path}: cannot be written: {error.strerror}") from error
+        make_writable(self.path, *studies)
 
     def write(self, study: Study, pictures: Sequence[str]) -> None:
         """Write numbers of one propeller. Raises FolderError."""

@@ -109,6 +109,7 @@ def render(run: RunData, scenario: Scenario, vessel: Vessel, figures: tuple[Figu
     return fill_in(
         "report.html",
         run=run,
+        subject=scenario,
         scenario=scenario,
         vessel=vessel,
         figures=[_figure_row(figure) for figure in figures],
