@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -254,12 +255,20 @@ class BagOfRun:
             cost=float(self._row("allocation_cost", i)[0]),
             slack=self._row("slack", i),
             demanded_power=0.0,
-            rotating=flags,
+            rotating=self._row("rotating", i) > 0.5,
             thrust_saturated=flags,
             azimuth_saturated=flags,
             antispin="torque_loss" in self._run,
             torque_loss=self._row("torque_loss", i) if "torque_loss" in self._run else np.ones(len(flags)),
+            sub_problem=int(self._row("sub_problem", i)[0]),
+            crossing=self._row("crossing", i) > 0.5 if "crossing" in self._run else flags[:0],
+            minimum_gain=self._gain("minimum_gain", i),
+            minimum_gain_both_ways=self._gain("minimum_gain_both_ways", i),
+            minimum_gain_free=self._gain("minimum_gain_free", i),
         )
+
+    def _gain(self, name: str, i: int) -> float:
+        return float(self._row(name, i)[0]) if name in self._run else math.nan
 
     def _thruster_feedback(self, k: int, stamp: int) -> Any:
         return self._make(

@@ -279,6 +279,15 @@ class ClosedLoop:
         rows["azimuth_command"][i] = answer.azimuth
         if answer.antispin:
             rows["torque_loss"][i] = answer.torque_loss
+        rows["minimum_gain"][i] = answer.gains.global_gain
+        rows["minimum_gain_both_ways"][i] = answer.gain_both_ways.gain
+        if answer.avoidance is not None:
+            rows["minimum_gain_free"][i] = answer.avoidance.minimum_gain_free
+        rows["rotating"][i] = answer.rotating
+        rows["sub_problem"][i] = 0.0
+        if answer.sectors is not None:
+            rows["sub_problem"][i] = answer.sectors.sub_problem
+            rows["crossing"][i] = answer.sectors.crossing
         t = k * self._step_ns * 1e-9
         log.note("observer_status", t, estimate.status)
         log.note("controller_mode", t, demand.mode)

@@ -28,6 +28,11 @@ from marine_model.guards import FloatArray
 #   proportional, integral, derivative, joystick, transfer, tau_desired, tau_achieved, slack    N, N, N m, body frame
 #   thrust_command          N               azimuth_command   rad          allocation_cost   -
 #   torque_loss             1               beta_Q2 in use by the allocator; where anti-spin was on at any time
+#   minimum_gain            1               at the commanded angles, scaled; rotating thrusters push only
+#   minimum_gain_both_ways  1               if every thruster could reverse
+#   minimum_gain_free       1               what it would be without singularity avoidance; where that is on
+#   sub_problem             1               chosen combination of windows, 0 without sectors
+#   rotating, crossing      0 or 1          allocated as a rotating thruster; on the way to its window
 # One row a feedback (drivers' rate):
 #   shaft_speed  Hz         motor_torque  N m          power  W         azimuth  rad
 #   torque_setpoint  N m    azimuth_rate_setpoint  rad/s    pitch_ratio  1    pitch_ratio_setpoint  1
@@ -66,6 +71,12 @@ WIDTHS: Mapping[str, int] = {
     "beta_q": 0,
     "beta_q2": 0,
     "torque_loss": 0,
+    "minimum_gain": 1,
+    "minimum_gain_both_ways": 1,
+    "minimum_gain_free": 1,
+    "sub_problem": 1,
+    "rotating": 0,
+    "crossing": 0,
     "truth_position": 3,
     "truth_thrust": 0,
     "truth_thrust_loss": 0,
@@ -76,7 +87,18 @@ WIDTHS: Mapping[str, int] = {
 # Fields of propulsion_truth; their series begin with truth_.
 PROPULSION_TRUTH = ("thrust", "thrust_loss", "torque_loss", "submergence", "advance_speed")
 # Series that are there only while what they tell of is switched on.
-SOMETIMES = frozenset(("ventilating", "beta_q", "beta_q2", "torque_loss"))
+SOMETIMES = frozenset(
+    (
+        "ventilating",
+        "beta_q",
+        "beta_q2",
+        "torque_loss",
+        "minimum_gain",
+        "minimum_gain_both_ways",
+        "minimum_gain_free",
+        "crossing",
+    )
+)
 
 
 @dataclass(frozen=True, slots=True)

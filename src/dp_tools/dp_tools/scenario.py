@@ -9,7 +9,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, PrivateAttr, model_validator
 
-from dp_tools.figure_specs import FigureSpec, windows_of
+from dp_tools.figures import AnyFigure
 from dp_tools.node_settings import SIMULATOR, default_settings
 from dp_tools.workspace import share
 from marine_model import Vessel, load_vessel
@@ -75,7 +75,7 @@ class Scenario(Section):
     events: Annotated[tuple[Event, ...], Field(strict=False)] = ()
     windows: dict[str, Window] = Field(default_factory=dict)
     close_ups: Annotated[tuple[CloseUp, ...], Field(strict=False)] = ()
-    figures: Annotated[tuple[FigureSpec, ...], Field(strict=False)] = ()
+    figures: Annotated[tuple[AnyFigure, ...], Field(strict=False)] = ()
     _path: Path | None = PrivateAttr(default=None)
 
     @property
@@ -213,7 +213,7 @@ def _window_problems(scenario: Scenario) -> Iterator[tuple[FieldPath, str]]:
         (("close_ups", i, "window"), close_up.window) for i, close_up in enumerate(scenario.close_ups)
     ]
     for i, figure in enumerate(scenario.figures):
-        uses += [(("figures", i, field), window) for field, window in windows_of(figure)]
+        uses += [(("figures", i, field), window) for field, window in figure.windows()]
     for field, window in uses:
         if window not in scenario.windows:
             known = ", ".join(scenario.windows) or "none"
@@ -226,10 +226,10 @@ def _figure_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[Field
         if figure.name in seen:
             yield ("figures", i, "name"), f"every name must be unique, found '{figure.name}' twice"
         seen.add(figure.name)
-        thruster = getattr(figure, "thruster", None)
-        if thruster is not None and thruster not in vessel.thruster_names:
-            known = ", ".join(vessel.thruster_names)
-            yield ("figures", i, "thruster"), f"expected one of {known}, found '{thruster}'"
+        for field, thruster in figure.thrusters():
+            if thruster not in vessel.thruster_names:
+                known = ", ".join(vessel.thruster_names)
+                yield ("figures", i, field), f"expected one of {known}, found '{thruster}'"
 
 
 def _parameter_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[FieldPath, str]]:

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dp_tools.figure_specs import FigureSpec, TimeToDemand
-from dp_tools.figures import Figure, compute_figures, times_to_demand, write_figures
+from dp_tools.figures import AnyFigure, Figure, compute_figures, write_figures
+from dp_tools.figures.joystick import TimeToDemand, times_to_demand
 from dp_tools.limits import limits_violations
 from dp_tools.run_data import RunData, Series
 from dp_tools.scenario import Scenario, load_scenario
@@ -189,7 +189,7 @@ def stepped(run: RunData, achieved_surge: np.ndarray) -> RunData:
 
 
 def spec_of(scenario: Scenario) -> TimeToDemand:
-    spec: FigureSpec = scenario.figures[0]
+    spec: AnyFigure = scenario.figures[0]
     assert isinstance(spec, TimeToDemand)
     return spec
 

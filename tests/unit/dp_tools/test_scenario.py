@@ -8,7 +8,7 @@ from typing import Any, get_args
 import pytest
 import yaml
 
-from dp_tools.figure_specs import FigureSpec
+from dp_tools.figures import AnyFigure
 from dp_tools.node_settings import default_settings
 from dp_tools.scenario import free_run, load_scenario, scenario_names
 from dp_tools.workspace import WorkspaceError
@@ -319,7 +319,7 @@ def test_example_of_the_documentation_is_valid(tmp_path: Path) -> None:
 
 def test_every_kind_of_figure_is_documented() -> None:
     text = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
-    kinds = [get_args(spec.model_fields["kind"].annotation)[0] for spec in get_args(get_args(FigureSpec)[0])]
+    kinds = [get_args(spec.model_fields["kind"].annotation)[0] for spec in get_args(get_args(AnyFigure)[0])]
     assert len(kinds) == 13
     for kind in kinds:
         assert f"| `{kind}` |" in text

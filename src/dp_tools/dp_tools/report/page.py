@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from dp_tools.figure_specs import MeanPowerChange, ThrustLevelChange, VentilatingShare
 from dp_tools.figures import Figure, compute_figures, write_figures
 from dp_tools.limits import LimitCheck, limits_violations
 from dp_tools.report.plots import Picture, Scene, close_up_pictures, pictures
@@ -16,8 +15,6 @@ from dp_tools.run_data import RunData
 from dp_tools.scenario import Scenario
 from marine_model import Vessel
 
-# Shown in per cent, with a sign.
-RELATIVE = MeanPowerChange | ThrustLevelChange
 REPORT_NAME = "report.html"
 FIGURES_NAME = "figures.json"
 
@@ -148,9 +145,9 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
 
 
 def _quantity(figure: Figure, value: float) -> str:
-    if isinstance(figure.spec, RELATIVE):
+    if figure.spec.shown == "change":
         return f"{100.0 * value:+.1f} %".replace("-", "−")
-    if isinstance(figure.spec, VentilatingShare):
+    if figure.spec.shown == "share":
         return f"{100.0 * value:.1f} %".replace("-", "−")
     return with_unit(value, figure.unit)
 
@@ -159,6 +156,15 @@ def _limit(figure: Figure, value: float) -> str:
     """Return a limit as it was given: 0.05 N, not 0.05000 N."""
     size, space, unit = with_unit(value, figure.unit, 4).partition(" ")
     return (size.rstrip("0").rstrip(".") if "." in size and "e" not in size else size) + space + unit
+
+
+def _bound(figure: Figure) -> str:
+    parts = []
+    if figure.spec.at_least is not None:
+        parts.append(f"at least {_limit(figure, figure.spec.at_least)}")
+    if figure.spec.at_most is not None:
+        parts.append(f"at most {_limit(figure, figure.spec.at_most)}")
+    return ", ".join(parts)
 
 
 def _figure_row(figure: Figure) -> FigureRow:
@@ -170,7 +176,7 @@ def _figure_row(figure: Figure) -> FigureRow:
         interval = f"{number_of_low if high.endswith(unit_of_low) else low} … {high}"
     difference = ""
     if figure.difference is not None:
-        if isinstance(spec, RELATIVE):
+        if spec.shown == "change":
             difference = f"{100.0 * figure.difference:+.1f} points"
         else:
             difference = ("+" if figure.difference > 0.0 else "") + _quantity(figure, figure.difference)
@@ -180,7 +186,7 @@ def _figure_row(figure: Figure) -> FigureRow:
         interval=interval,
         thesis="" if spec.thesis is None else _quantity(figure, spec.thesis),
         difference=difference.replace("-", "−"),
-        bound="" if spec.at_most is None else f"at most {_limit(figure, spec.at_most)}",
+        bound=_bound(figure),
         held=figure.held,
         remark=" ".join(part for part in (spec.reason, f"({spec.source})" if spec.source else "") if part),
     )

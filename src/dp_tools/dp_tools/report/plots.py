@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from dp_tools.figure_specs import MeanPower, MeanPowerChange, windows_of
+from dp_tools.figures.power import MeanPower, MeanPowerChange
 from dp_tools.report import style
 from dp_tools.report.panels import Panels, svg_uri
 from dp_tools.report.thinning import break_turns
@@ -61,7 +61,7 @@ class Scene:
     @property
     def measured_windows(self) -> tuple[str, ...]:
         """Windows that figures are worked out over, close-ups apart, in the order of the file."""
-        used = {window for spec in self.scenario.figures for _, window in windows_of(spec)}
+        used = {window for spec in self.scenario.figures for _, window in spec.windows()}
         close_ups = {close_up.window for close_up in self.scenario.close_ups}
         return tuple(name for name in self.scenario.windows if name in used - close_ups)
 
@@ -69,7 +69,7 @@ class Scene:
     def power_windows(self) -> tuple[str, ...]:
         """Windows whose mean power is asked for."""
         powers = [spec for spec in self.scenario.figures if isinstance(spec, MeanPower | MeanPowerChange)]
-        used = {window for spec in powers for _, window in windows_of(spec)}
+        used = {window for spec in powers for _, window in spec.windows()}
         return tuple(name for name in self.measured_windows if name in used)
 
     @property

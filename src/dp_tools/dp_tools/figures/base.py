@@ -1,0 +1,110 @@
+"""What every figure of merit is: asked for in a scenario file, worked out from a run."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from pydantic import Field
+
+from dp_tools.interval import batch_jackknife
+from dp_tools.run_data import RunData
+from marine_model import Vessel
+from marine_model.guards import FloatArray
+from marine_model.schema import Section
+
+if TYPE_CHECKING:
+    from dp_tools.scenario import Scenario
+
+# How a number is shown: with its unit, as a change in per cent with a sign, or as a share in per cent.
+Shown = Literal["quantity", "change", "share"]
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A figure of one run.
+
+    Parameters
+    ----------
+    value
+        In the unit of its spec; None where the run never got there (a demand that is not reached).
+    low, high
+        Ends of the 95 % confidence interval; None for extremes and counts, which one run gives no interval for.
+    """
+
+    value: float | None
+    low: float | None = None
+    high: float | None = None
+
+    @classmethod
+    def of(cls, statistic: Callable[..., float], *samples: FloatArray) -> Measurement:
+        """Return a statistic of one or more windows, with its interval."""
+        low, high = batch_jackknife(statistic, samples)
+        return cls(statistic(*samples), low, high)
+
+
+class FigureSpec(Section):
+    """One figure of merit in a scenario file; a kind is a subclass, told apart by its field ``kind``."""
+
+    shown: ClassVar[Shown] = "quantity"
+
+    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$")  # in figures.json
+    title: str = Field(min_length=1)  # in the report
+    thesis: float | None = None  # what the thesis prints, in the figure's unit
+    source: str = ""  # where it is printed
+    reason: str = ""  # why ours may differ, or why the thesis has no number
+    at_most: float | None = None  # bounds that must hold
+    at_least: float | None = None
+
+    @property
+    @abstractmethod
+    def unit(self) -> str:
+        """SI, degrees for angles, 1 for a ratio or a count."""
+
+    def windows(self) -> tuple[tuple[str, str], ...]:
+        """Return (field, window name) of every window that this needs."""
+        return ()
+
+    def thrusters(self) -> tuple[tuple[str, str], ...]:
+        """Return (field, thruster name) of every thruster that this needs."""
+        return ()
+
+    @abstractmethod
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Work it out.
+
+        Raises
+        ------
+        InputError
+            If a series or part of the run is missing.
+        """
+
+
+class WindowFigure(FigureSpec):
+    """A figure over one window."""
+
+    window: str
+
+    def windows(self) -> tuple[tuple[str, str], ...]:
+        """Return the window."""
+        return (("window", self.window),)
+
+
+class ComparedFigure(FigureSpec):
+    """A figure of one window over that of another, minus one."""
+
+    shown: ClassVar[Shown] = "change"
+
+    baseline: str
+    compared: str
+
+    @property
+    def unit(self) -> str:
+        """1: a ratio."""
+        return "1"
+
+    def windows(self) -> tuple[tuple[str, str], ...]:
+        """Return both windows."""
+        return ("baseline", self.baseline), ("compared", self.compared)

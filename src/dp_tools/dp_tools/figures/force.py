@@ -1,0 +1,80 @@
+"""Figures of generalized force."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from dp_tools.figures.base import Measurement, WindowFigure
+from dp_tools.figures.samples import AXES, FORCE_UNITS, Axis, column, mean, rms, std
+from dp_tools.run_data import RunData, Series
+from dp_tools.signals import measured_force
+from marine_model import Vessel
+from marine_model.guards import FloatArray
+
+if TYPE_CHECKING:
+    from dp_tools.scenario import Scenario
+
+
+class _ForceFigure(WindowFigure):
+    axis: Axis
+
+    @property
+    def unit(self) -> str:
+        """Newton or newton metre."""
+        return FORCE_UNITS[self._index]
+
+    @property
+    def _index(self) -> int:
+        return AXES.index(self.axis)
+
+    def _column(self, series: Series, scenario: Scenario) -> FloatArray:
+        return column(series, scenario, self.window, self._index)
+
+
+class ForceLevel(_ForceFigure):
+    """Mean or standard deviation of a generalized force over a window, N or N m."""
+
+    kind: Literal["force_level"]
+    force: Literal["tau_desired", "tau_achieved", "tau_measured"]
+    statistic: Literal["mean", "std"]
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the statistic."""
+        series = measured_force(run, vessel) if self.force == "tau_measured" else run[self.force]
+        return Measurement.of(mean if self.statistic == "mean" else std, self._column(series, scenario))
+
+
+class ForceTracking(_ForceFigure):
+    """Root mean square of measured minus commanded generalized force over a window, N or N m."""
+
+    kind: Literal["force_tracking"]
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the root mean square."""
+        measured = measured_force(run, vessel)
+        error = Series(measured.t, measured.values - run["tau_achieved"].at(measured.t))
+        return Measurement.of(rms, self._column(error, scenario))
+
+
+class ForceDeviation(_ForceFigure):
+    """Largest deviation of the commanded from the desired generalized force over a window, N or N m."""
+
+    kind: Literal["force_deviation"]
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the largest magnitude."""
+        desired, achieved = (self._column(run[name], scenario) for name in ("tau_desired", "tau_achieved"))
+        return Measurement(float(np.abs(achieved - desired).max()))
+
+
+class ForceJump(_ForceFigure):
+    """Most that the commanded force moved in a sample beyond what was desired, over a window, N or N m."""
+
+    kind: Literal["force_jump"]
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the largest."""
+        desired, achieved = (self._column(run[name], scenario) for name in ("tau_desired", "tau_achieved"))
+        return Measurement(float((np.abs(np.diff(achieved)) - np.abs(np.diff(desired))).max()))

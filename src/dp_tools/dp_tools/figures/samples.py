@@ -1,0 +1,44 @@
+"""Samples of a window, and statistics of them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from dp_tools.run_data import Series
+from marine_model.guards import FloatArray
+
+if TYPE_CHECKING:
+    from dp_tools.scenario import Scenario
+
+Axis = Literal["surge", "sway", "yaw"]
+AXES: tuple[Axis, ...] = ("surge", "sway", "yaw")
+FORCE_UNITS = ("N", "N", "N m")
+
+
+def column(series: Series, scenario: Scenario, window: str, index: int) -> FloatArray:
+    """Return the finite samples of one column over a window."""
+    values = series.window(*scenario.windows[window]).values[:, index]
+    return values[np.isfinite(values)]
+
+
+def mean(x: FloatArray) -> float:
+    """Return the mean."""
+    return float(x.mean())
+
+
+def std(x: FloatArray) -> float:
+    """Return the standard deviation."""
+    return float(x.std())
+
+
+def rms(x: FloatArray) -> float:
+    """Return the root mean square."""
+    return math.sqrt(float(np.mean(x * x)))
+
+
+def relative_change(baseline: FloatArray, compared: FloatArray) -> float:
+    """Return the mean of ``compared`` over that of ``baseline``, minus one."""
+    return float(compared.mean() / baseline.mean()) - 1.0
