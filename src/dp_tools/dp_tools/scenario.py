@@ -11,6 +11,7 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from dp_tools.figures import AnyFigure
 from dp_tools.node_settings import SIMULATOR, default_settings
+from dp_tools.plot_specs import AnyPlot
 from dp_tools.workspace import share
 from marine_model import Vessel, load_vessel
 from marine_model.errors import DocumentError, InputError, UnknownNameError
@@ -76,6 +77,7 @@ class Scenario(Section):
     windows: dict[str, Window] = Field(default_factory=dict)
     close_ups: Annotated[tuple[CloseUp, ...], Field(strict=False)] = ()
     figures: Annotated[tuple[AnyFigure, ...], Field(strict=False)] = ()
+    plots: Annotated[tuple[AnyPlot, ...], Field(strict=False)] = ()  # beside those of every report
     _path: Path | None = PrivateAttr(default=None)
 
     @property
@@ -212,8 +214,9 @@ def _window_problems(scenario: Scenario) -> Iterator[tuple[FieldPath, str]]:
     uses: list[tuple[FieldPath, str]] = [
         (("close_ups", i, "window"), close_up.window) for i, close_up in enumerate(scenario.close_ups)
     ]
-    for i, figure in enumerate(scenario.figures):
-        uses += [(("figures", i, field), window) for field, window in figure.windows()]
+    for name, asked in (("figures", scenario.figures), ("plots", scenario.plots)):
+        for i, one in enumerate(asked):
+            uses += [((name, i, field), window) for field, window in one.windows()]
     for field, window in uses:
         if window not in scenario.windows:
             known = ", ".join(scenario.windows) or "none"
@@ -226,10 +229,12 @@ def _figure_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[Field
         if figure.name in seen:
             yield ("figures", i, "name"), f"every name must be unique, found '{figure.name}' twice"
         seen.add(figure.name)
-        for field, thruster in figure.thrusters():
-            if thruster not in vessel.thruster_names:
-                known = ", ".join(vessel.thruster_names)
-                yield ("figures", i, field), f"expected one of {known}, found '{thruster}'"
+    for name, asked in (("figures", scenario.figures), ("plots", scenario.plots)):
+        for i, one in enumerate(asked):
+            for field, thruster in one.thrusters():
+                if thruster not in vessel.thruster_names:
+                    known = ", ".join(vessel.thruster_names)
+                    yield (name, i, field), f"expected one of {known}, found '{thruster}'"
 
 
 def _parameter_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[FieldPath, str]]:

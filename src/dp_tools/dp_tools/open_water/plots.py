@@ -12,7 +12,7 @@ from dp_tools.open_water.outcome import Outcome
 from dp_tools.open_water.record import CaseRecord
 from dp_tools.report import style
 from dp_tools.report.panels import WIDTH, svg_uri
-from dp_tools.report.plots import Picture
+from dp_tools.report.scene import Picture
 from dp_tools.report.thinning import thin
 from marine_model.guards import FloatArray
 from marine_model.ventilation.data import VentilationData

@@ -8,7 +8,9 @@ from pathlib import Path
 
 from dp_tools.figures import Figure, compute_figures, write_figures
 from dp_tools.limits import LimitCheck, limits_violations
-from dp_tools.report.plots import Picture, Scene, close_up_pictures, pictures
+from dp_tools.report.asked import asked_pictures
+from dp_tools.report.plots import close_up_pictures, pictures
+from dp_tools.report.scene import Picture, Scene
 from dp_tools.report.style import plot_style
 from dp_tools.report.template import fill_in
 from dp_tools.run_data import RunData
@@ -98,7 +100,7 @@ def render(run: RunData, scenario: Scenario, vessel: Vessel, figures: tuple[Figu
     scene = Scene(run, scenario, vessel)
     limits = limits_violations(run, vessel) if "thrust_command" in run else ()
     with plot_style():
-        main = list(pictures(scene))
+        main = [*asked_pictures(scene), *pictures(scene)]
         close_ups: list[tuple[str, str, list[Picture]]] = [
             (c.title, _span_text(scenario.windows[c.window]), list(close_up_pictures(scene, c.window)))
             for c in scenario.close_ups

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from dp_tools.report import style
 from dp_tools.report.panels import Panels
-from dp_tools.report.plots import Scene
+from dp_tools.report.scene import Scene
 from dp_tools.run_data import RunData
 from dp_tools.scenario import Scenario
 from dp_tools.signals import total_power, unwrapped_degrees

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure as Canvas
 
-from dp_tools.figures.power import MeanPower, MeanPowerChange
 from dp_tools.report import style
-from dp_tools.report.panels import Panels, svg_uri
+from dp_tools.report.panels import svg_uri
+from dp_tools.report.scene import Picture, Scene, Span
 from dp_tools.report.thinning import break_turns
-from dp_tools.run_data import RunData, Series
-from dp_tools.scenario import Scenario
+from dp_tools.run_data import Series
 from dp_tools.signals import (
     averaged,
     low_frequency_truth,
@@ -23,64 +21,12 @@ from dp_tools.signals import (
     total_power,
     unwrapped_degrees,
 )
-from marine_model import Vessel
 from marine_model.frames import wrap_angles
 
 _FORCE_LABELS = ("surge (N)", "sway (N)", "yaw (N m)")
 _PLACE_LABELS = ("north (m)", "east (m)", "heading (deg)")
 # A panel shows at least this much, m, m, deg: a quiet vessel should look quiet.
 _PLACE_HEIGHTS = (0.05, 0.05, 1.0)
-
-Span = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class Picture:
-    """One picture with its text."""
-
-    title: str
-    text: str
-    image: str  # data URI
-    alt: str
-    narrow: bool = False
-
-
-@dataclass(frozen=True)
-class Scene:
-    """What every picture is made from."""
-
-    run: RunData
-    scenario: Scenario
-    vessel: Vessel
-
-    @property
-    def whole(self) -> Span:
-        """(0, end) of the run, s."""
-        return 0.0, max(self.run.duration, 1e-9)
-
-    @property
-    def measured_windows(self) -> tuple[str, ...]:
-        """Windows that figures are worked out over, close-ups apart, in the order of the file."""
-        used = {window for spec in self.scenario.figures for _, window in spec.windows()}
-        close_ups = {close_up.window for close_up in self.scenario.close_ups}
-        return tuple(name for name in self.scenario.windows if name in used - close_ups)
-
-    @property
-    def power_windows(self) -> tuple[str, ...]:
-        """Windows whose mean power is asked for."""
-        powers = [spec for spec in self.scenario.figures if isinstance(spec, MeanPower | MeanPowerChange)]
-        used = {window for spec in powers for _, window in spec.windows()}
-        return tuple(name for name in self.measured_windows if name in used)
-
-    @property
-    def automatic(self) -> bool:
-        """True if the controller held anything automatically at any time."""
-        terms = ("proportional", "integral", "derivative")
-        return any(name in self.run and bool(self.run[name].values.any()) for name in terms)
-
-    def panels(self, labels: tuple[str, ...], span: Span, height: float = 1.5, own_legends: bool = False) -> Panels:
-        """Return empty panels for this run."""
-        return Panels(labels, self.scenario, span, height, self.measured_windows, own_legends)
 
 
 def pictures(scene: Scene) -> Iterator[Picture]:

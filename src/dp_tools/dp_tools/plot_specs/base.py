@@ -1,0 +1,23 @@
+"""What every picture that a scenario asks for has."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from marine_model.schema import Section
+
+
+class PlotSpec(Section):
+    """One picture in a scenario file; a kind is a subclass, told apart by its field ``kind``."""
+
+    title: str = Field(min_length=1)
+    text: str = ""  # what to look at
+    source: str = ""  # figure of the thesis that shows the same
+
+    def windows(self) -> tuple[tuple[str, str], ...]:
+        """Return (field, window name) of every window that this needs."""
+        return ()
+
+    def thrusters(self) -> tuple[tuple[str, str], ...]:
+        """Return (field, thruster name) of every thruster that this needs."""
+        return ()

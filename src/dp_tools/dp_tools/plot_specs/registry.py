@@ -1,0 +1,12 @@
+"""All kinds of pictures that a scenario can ask for."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from dp_tools.plot_specs.overlay import Overlay
+
+# A discriminator needs two kinds or more.
+AnyPlot = Annotated[Overlay, Field()]

@@ -1,0 +1,45 @@
+"""Windows laid over one another, as Figures 5.9, 5.11 and 5.12 of [Ruth]."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from dp_tools.plot_specs.overlay import Overlay
+from dp_tools.report import style
+from dp_tools.report.panels import WIDTH, svg_uri
+from dp_tools.report.scene import Scene
+from dp_tools.run_data import Series
+from dp_tools.signals import position_error
+
+_LABELS = {
+    "position_error": ("north (m)", "east (m)", "heading (deg)"),
+    "force": ("surge (N)", "sway (N)", "yaw (N m)"),
+}
+
+
+def overlay(scene: Scene, spec: Overlay) -> tuple[str, str]:
+    """Draw one signal in several windows over the time since each began."""
+    signal = _signal(scene, spec.series)
+    figure = Canvas(figsize=(WIDTH, 5.4), layout="constrained")
+    axes = figure.subplots(3, 1, sharex=True)
+    labels = _LABELS["position_error" if spec.series == "position_error" else "force"]
+    for i, (axis, label) in enumerate(zip(axes, labels, strict=True)):
+        axis.set_ylabel(label)
+        for number, (name, windows) in enumerate(spec.groups.items()):
+            color = style.WINDOW_EDGES[number % len(style.WINDOW_EDGES)]
+            for k, window in enumerate(windows):
+                part = signal.window(*scene.scenario.windows[window])
+                since = part.t - scene.scenario.windows[window][0]
+                axis.plot(since, part.values[:, i], color=color, linewidth=1.0, label=None if k else name)
+    axes[-1].set_xlabel("time since the start of the window (s)")
+    handles, names = axes[0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside upper right", ncols=len(names))
+    return svg_uri(figure), f"{spec.series.replace('_', ' ')} in the windows of {', '.join(spec.groups)}"
+
+
+def _signal(scene: Scene, name: str) -> Series:
+    if name != "position_error":
+        return scene.run[name]
+    error = position_error(scene.run, "estimate_position")
+    return Series(error.t, np.column_stack([error.values[:, :2], np.degrees(error.values[:, 2])]))
