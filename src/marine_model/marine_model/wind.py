@@ -6,6 +6,7 @@ No numba here: the controller computes in plain Python; the simulator compiles :
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -43,7 +44,7 @@ class TabulatedCoefficients(Section):
     @model_validator(mode="after")
     def _half_a_turn(self) -> Self:
         angles = [row[ANGLE] for row in self.rows]
-        if len(angles) < 2 or any(later <= earlier for earlier, later in zip(angles, angles[1:], strict=False)):
+        if len(angles) < 2 or any(later <= earlier for earlier, later in pairwise(angles)):
             raise FieldError(("rows",), f"expected two rows or more with increasing angles, found {angles}")
         if abs(angles[0]) > _ANGLE_DIGITS or abs(angles[-1] - math.pi) > _ANGLE_DIGITS:
             raise FieldError(("rows",), f"expected angles from 0 to pi, found {angles[0]} to {angles[-1]}")

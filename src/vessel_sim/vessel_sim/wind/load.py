@@ -45,6 +45,8 @@ def wind_load(
         Mean wind speed where the hull feels it, m/s.
     direction
         Direction in NED that the wind blows towards, rad.
+    time
+        s since the start.
     heading, u, v
         Heading (rad) and velocity over ground in the body frame (m/s).
     """
