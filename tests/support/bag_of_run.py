@@ -22,6 +22,7 @@ from support.repository import MESSAGES
 NANOSECONDS = 1_000_000_000
 
 KINDS = {
+    "wind": "geometry_msgs/msg/Vector3Stamped",
     "pose": "geometry_msgs/msg/PoseWithCovarianceStamped",
     "truth": "nav_msgs/msg/Odometry",
     "propulsion_truth": "dp_msgs/msg/PropulsionTruth",
@@ -37,7 +38,7 @@ KINDS = {
     "ventilation": "dp_msgs/msg/Ventilation",
 }
 # Order of travel, so that the file has it as well.
-AT_SAMPLE = tuple(KINDS)[:10]
+AT_SAMPLE = tuple(KINDS)[:11]
 
 
 def _store() -> Typestore:
@@ -169,6 +170,10 @@ class BagOfRun:
         pose = self._pose_of(position if fix else np.zeros(3), 1e-6 if fix else -1.0)
         return self._make(KINDS["pose"], header=self._header(stamp), pose=pose)
 
+    def _wind(self, i: int, stamp: int) -> Any:
+        ahead, starboard = (float(value) for value in self._row("wind", i))
+        return self._make(KINDS["wind"], header=self._header(stamp), vector=self._vector(ahead, starboard, 0.0))
+
     def _truth(self, i: int, stamp: int) -> Any:
         return self._odometry_of(stamp, self._row("truth_position", i), np.zeros(3))
 
@@ -203,6 +208,7 @@ class BagOfRun:
             "proportional",
             "integral",
             "derivative",
+            "wind_feedforward",
             "joystick",
             "transfer",
         )

@@ -56,6 +56,8 @@ def synthetic_run(vessel: Vessel, duration: float = 380.0, seed: int = 0) -> Run
         "proportional": -75.0 * slow * [0.01, 0.008, 0.007],
         "integral": np.tile([2.0, 0.0, 0.0], (len(t), 1)),
         "derivative": 0.2 * slow,
+        "wind_feedforward": 0.1 * slow,
+        "wind": np.tile([-2.5, 0.3], (len(t), 1)),
         "joystick": np.zeros((len(t), 3)),
         "transfer": np.zeros((len(t), 3)),
         "tau_desired": tau,

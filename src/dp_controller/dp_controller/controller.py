@@ -14,11 +14,12 @@ from dp_controller.guidance import Guidance, Mask
 from dp_controller.joystick import Joystick
 from dp_controller.pid import NonlinearPid
 from dp_controller.reference_generator import ReferenceGenerator
-from dp_controller.settings import AxisMode, ControllerSettings
+from dp_controller.settings import AxisMode, ControllerSettings, check_settings
 from dp_controller.signals import ControllerInputs, ControllerOutput
 from dp_controller.timed_path import TimedPath
 from dp_controller.transfer import Transfer
 from dp_controller.vectors import ZERO, Triple, masked
+from dp_controller.wind_feedforward import WindFeedforward
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import wrap_angle
@@ -30,6 +31,7 @@ OBSERVER_INVALID: Final = "observer_invalid"
 JOYSTICK_STALE: Final = "joystick_stale"
 PATH_MISSING: Final = "path_missing"
 ESTIMATE_LATE: Final = "estimate_late"
+WIND_STALE: Final = "wind_stale"
 NOMINAL: Final = "nominal"
 
 # A sample that comes later than this many sample times counts as this many: nothing is known about the time between.
@@ -44,6 +46,10 @@ class Controller:
     last sample before it, and the difference fades in ``settings.transfer_time``. An axis that becomes automatic takes
     the demand in force as its integral.
 
+    With ``settings.wind_feedforward`` automatic axes ask for the opposite of the estimated wind force as well. When it
+    is switched on or off, or no wind is measured, the integral of an automatic axis takes over the difference, so that
+    the demand stays as it is.
+
     The clock of the controller reads 0 at the first step, and ``dt`` more at each later one.
 
     Parameters
@@ -52,6 +58,11 @@ class Controller:
         Gains and limits come from ``vessel.controller``.
     settings
         What the operator may change.
+
+    Raises
+    ------
+    InputError
+        If feed-forward is enabled and the vessel has no ``wind_forces``.
     """
 
     def __init__(self, vessel: Vessel, settings: ControllerSettings | None = None) -> None:
@@ -59,7 +70,10 @@ class Controller:
         self._vessel_gains = (gains.proportional, gains.integral, gains.derivative)
         self._velocity_max = gains.reference.velocity_max
         self._gap_max = _LONGEST_GAP * vessel.measurement.sample_time
+        self._vessel = vessel
         self._settings = settings if settings is not None else ControllerSettings()
+        check_settings(self._settings, vessel)
+        self._feedforward = WindFeedforward(vessel)
         self._pid = NonlinearPid(*self._scaled_gains())
         self._guidance = Guidance(
             ReferenceGenerator(gains.reference.frequency, gains.reference.damping, self._scaled_velocity())
@@ -96,7 +110,14 @@ class Controller:
         self._message = text
 
     def apply(self, settings: ControllerSettings) -> None:
-        """Swap the settings whole; they hold from the next step on."""
+        """Swap the settings whole; they hold from the next step on.
+
+        Raises
+        ------
+        InputError
+            As at the start; the settings before stay.
+        """
+        check_settings(settings, self._vessel)
         before, self._settings = self._settings, settings
         self._pid.gains = self._scaled_gains()
         self._guidance.generator.velocity_max = self._scaled_velocity()
@@ -223,6 +244,7 @@ class Controller:
         velocity = _triple("velocity", inputs.velocity) if inputs.valid else ZERO
         achieved = None if inputs.tau_achieved is None else _triple("tau_achieved", inputs.tau_achieved)
         settings = self._settings
+        wind = _pair("wind", inputs.wind) if settings.wind_feedforward.enabled and inputs.wind is not None else None
         now = 0.0 if self._time is None else self._time + dt
         self._time = now
         elapsed = min(dt, self._gap_max)
@@ -242,15 +264,17 @@ class Controller:
             self._guidance.lose(automatic)
             error = proportional = derivative = ZERO
             follows = False
-        self._integrate(automatic, error, achieved, elapsed, inputs.valid)
+        staying = self._staying(automatic)
+        feedforward = masked(self._feedforward.step(wind, dt, settings.wind_feedforward, any(staying)), automatic)
+        self._integrate(automatic, staying, feedforward, error, achieved, elapsed, inputs.valid)
         integral = self._pid.force
         stick = self._joystick.force(now, settings.joystick_timeout, settings.transfer_time)
         joystick = masked(stick, manual)
 
         raw = (
-            proportional[0] + integral[0] + derivative[0] + joystick[0],
-            proportional[1] + integral[1] + derivative[1] + joystick[1],
-            proportional[2] + integral[2] + derivative[2] + joystick[2],
+            proportional[0] + integral[0] + derivative[0] + feedforward[0] + joystick[0],
+            proportional[1] + integral[1] + derivative[1] + feedforward[1] + joystick[1],
+            proportional[2] + integral[2] + derivative[2] + feedforward[2] + joystick[2],
         )
         stick_is_fresh = self._joystick.is_fresh(now, settings.joystick_timeout)
         laws = [_law(mode, inputs.valid, follows) for mode in modes]
@@ -275,10 +299,11 @@ class Controller:
                 *proportional,
                 *integral,
                 *derivative,
+                *feedforward,
                 *joystick,
                 *transfer,
             )
-        ).reshape(9, 3)
+        ).reshape(10, 3)
         return ControllerOutput(
             tau_desired=table[0],
             mode=settings.mode,
@@ -291,26 +316,48 @@ class Controller:
             proportional=table[4],
             integral=table[5],
             derivative=table[6],
-            joystick=table[7],
-            transfer=table[8],
+            wind_feedforward=table[7],
+            joystick=table[8],
+            transfer=table[9],
         )
 
-    def _integrate(self, automatic: Mask, error: Triple, achieved: Triple | None, dt: float, valid: bool) -> None:
+    def _staying(self, automatic: Mask) -> Mask:
+        """Return which axes are automatic and were so in the sample before."""
+        before = self._laws
+        if before is None:
+            return False, False, False
+        a, b, c = (automatic[i] and before[i] not in ("off", "joystick") for i in range(3))
+        return a, b, c
+
+    def _integrate(
+        self,
+        automatic: Mask,
+        staying: Mask,
+        feedforward: Triple,
+        error: Triple,
+        achieved: Triple | None,
+        dt: float,
+        valid: bool,
+    ) -> None:
         """Advance, hold, begin or clear the integral of every axis."""
         before = self._laws
-        # An axis that becomes automatic takes over what the vessel is pushed with now; a manual axis keeps none.
-        force = self._pid.force
-        staying = [automatic[i] and before is not None and before[i] not in ("off", "joystick") for i in range(3)]
-        begun = [force[i] if staying[i] else self._demand[i] if automatic[i] else 0.0 for i in range(3)]
+        force, demand = self._pid.force, self._demand
+        wind, switched = self._feedforward.force, self._feedforward.switched
+        begun = [0.0, 0.0, 0.0]  # a manual axis keeps none
+        for i in range(3):
+            if staying[i]:
+                begun[i] = force[i] - switched * wind[i]
+            elif automatic[i]:
+                # An axis that becomes automatic takes over what the vessel is pushed with now. A joystick has balanced
+                # the wind, as far as it is; an axis that was off has not.
+                by_hand = before is not None and before[i] == "joystick"
+                begun[i] = demand[i] - feedforward[i] if by_hand else demand[i]
         self._pid.force = (begun[0], begun[1], begun[2])
-        if not valid:
+        if not valid or staying == (False, False, False):
             return
-        active = (staying[0], staying[1], staying[2])
-        if active == (False, False, False):
-            return
-        got, asked = self._demand if achieved is None else achieved, self._demand_unlimited
-        shortfall = masked((got[0] - asked[0], got[1] - asked[1], got[2] - asked[2]), active)
-        self._pid.integrate(masked(error, active), shortfall, dt, self._settings.anti_windup_time)
+        got, asked = demand if achieved is None else achieved, self._demand_unlimited
+        shortfall = masked((got[0] - asked[0], got[1] - asked[1], got[2] - asked[2]), staying)
+        self._pid.integrate(masked(error, staying), shortfall, dt, self._settings.anti_windup_time)
 
     def _transfer(self, laws: list[str], raw: Triple, stick_is_fresh: bool, dt: float) -> Triple:
         """Return the fading part of the demand, begun anew in every axis whose law changes in this sample."""
@@ -340,6 +387,8 @@ class Controller:
             states.append(JOYSTICK_STALE)
         if track and not self._guidance.has_path:
             states.append(PATH_MISSING)
+        if self._feedforward.stale:
+            states.append(WIND_STALE)
         return ",".join(states) if states else NOMINAL
 
     def _scaled_gains(self) -> tuple[Triple, Triple, Triple]:
@@ -372,6 +421,11 @@ def _triple(name: str, value: ArrayLike) -> Triple:
             return x, y, z
     x, y, z = finite_vector(name, value, 3).tolist()
     return x, y, z
+
+
+def _pair(name: str, value: ArrayLike) -> tuple[float, float]:
+    x, y = finite_vector(name, value, 2).tolist()
+    return x, y
 
 
 def _product(a: Triple, b: Triple) -> Triple:

@@ -9,15 +9,27 @@ from typing import Any
 
 import numpy as np
 from dp_msgs.msg import ControllerStatus
-from geometry_msgs.msg import PoseStamped, WrenchStamped
+from geometry_msgs.msg import PoseStamped, Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry, Path
 
 from dp_controller.controller import NOMINAL, OBSERVER_INVALID, Controller
-from dp_controller.settings import ControllerSettings
+from dp_controller.settings import ControllerSettings, check_settings
 from dp_controller.signals import ControllerInputs, ControllerOutput
 from dp_controller.timed_path import TimedPath
-from dp_node import RING, AnswerGate, Health, Level, RingNode, StampSequence, from_nanoseconds, run_node, to_nanoseconds
-from dp_node.stamps import seconds_between
+from dp_node import (
+    RING,
+    AnswerGate,
+    Health,
+    Inbox,
+    Level,
+    RingNode,
+    StampSequence,
+    WaitingRoom,
+    from_nanoseconds,
+    run_node,
+    seconds_between,
+    to_nanoseconds,
+)
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME, MAP_FRAME, quaternion_to_heading
 from marine_model.guards import FloatArray, finite_vector
@@ -28,7 +40,8 @@ class ControllerNode(RingNode[ControllerSettings]):
     """Answers every odometry with one tau_desired and one controller_status, and every operator input with the latter.
 
     Demands carry the stamp of the odometry they answer. Stamps of joystick and path are on the same time as those of
-    odometry; a stamp of zero on a set point or joystick means "on arrival".
+    odometry; a stamp of zero on a set point or joystick means "on arrival". With wind feed-forward it listens to
+    ``wind``; in lockstep every odometry then waits for the wind of its stamp.
     """
 
     def __init__(self, **kwargs: Any) -> None:
@@ -47,10 +60,16 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._setpoint_stamp = 0
         self._joystick_stamp = 0
         self._samples = self._samples_reported = self._unanswered = 0
+        self._wind: Inbox[FloatArray] = Inbox(_WIND)
+        self._room: WaitingRoom[tuple[int, Callable[[], None]]] = WaitingRoom(0)
 
     def default_settings(self, vessel: Vessel) -> ControllerSettings:
         """Return the core's settings: gains are the vessel's, scaled by one."""
         return ControllerSettings()
+
+    def check(self, settings: ControllerSettings) -> None:
+        """Refuse feed-forward of a wind that does not blow on this vessel."""
+        check_settings(settings, self.vessel)
 
     def build(self) -> None:
         """Make core, publishers and subscriptions."""
@@ -63,11 +82,15 @@ class ControllerNode(RingNode[ControllerSettings]):
         self.listen(PoseStamped, "setpoint", self._on_setpoint, RING)
         self.listen(WrenchStamped, "joystick", self._on_joystick, RING)
         self.listen(Path, "path", self._on_path, RING)
+        self._hears_wind = False
+        self._hear()
 
     def apply(self, settings: ControllerSettings) -> None:
         """Hand changed settings to the core, and tell the operator."""
         self._core.apply(settings)
+        self._hear()
         self._answer(self._last_stamp)
+        self._act_on_held()
 
     def started(self) -> None:
         """Begin as after the first start: an activation knows no estimate, no operator input and no integral."""
@@ -84,13 +107,18 @@ class ControllerNode(RingNode[ControllerSettings]):
             level = Level.ERROR
         elif self._status != NOMINAL:
             level = Level.WARN
+        missing = self._room.waits_for(self._needed())
+        if missing:
+            level, message = Level.WARN, f"odometry waits for {missing[0]}"
+            if not self.count_publishers(_WIND):
+                message += ", which nobody publishes"
         values: dict[str, object] = {
             "mode": self.settings.mode,
             "status": self._status,
             "answer": self._core.message,
             "samples": self._samples,
             "samples_without_tau_achieved": self._unanswered,
-            "odometry_held": self._gate.held,
+            "odometry_held": self._gate.held + self._room.holds,
         }
         return Health(level, message, values)
 
@@ -108,7 +136,39 @@ class ControllerNode(RingNode[ControllerSettings]):
             velocity = finite_vector("odometry twist", (twist.linear.x, twist.linear.y, twist.angular.z), 3)
         stamp = to_nanoseconds(message.header.stamp)
         dt = self._stamps.step(message.header.stamp, self.vessel.measurement.sample_time)
-        self._gate.submit(stamp, partial(self._act, stamp, dt, position, velocity, valid))
+        act = partial(self._act, stamp, dt, position, velocity, valid)
+        # In lockstep what was measured is the same in every run, so that the estimate waits for it.
+        if self.synchronous and self._room.missing(stamp, self._needed()):
+            if self._room.holds:
+                self.refuse("odometry: another came before the wind that this one waited for")
+            self._room.hold(stamp, (stamp, act))
+            return
+        self._gate.submit(stamp, act)
+
+    def _on_wind(self, message: Any) -> None:
+        stamp = to_nanoseconds(message.header.stamp)
+        found = None
+        try:
+            _require_frame(_WIND, message.header.frame_id, BODY_FRAME)
+            found = finite_vector(_WIND, (message.vector.x, message.vector.y), 2)
+        finally:
+            # Refused or not: an estimate that waits is answered, or the ring would stand still.
+            self._wind.put(stamp, found)
+            self._act_on_held()
+
+    def _act_on_held(self) -> None:
+        held = self._room.release(self._needed())
+        if held is not None:
+            self._gate.submit(*held)
+
+    def _needed(self) -> list[Inbox[FloatArray]]:
+        return [self._wind] if self._core.settings.wind_feedforward.enabled else []
+
+    def _hear(self) -> None:
+        """Listen to the wind where it is needed only."""
+        if not self._hears_wind and self._core.settings.wind_feedforward.enabled:
+            self._hears_wind = True
+            self.listen(Vector3Stamped, _WIND, self._on_wind)
 
     def _on_achieved(self, message: Any) -> None:
         stamp = to_nanoseconds(message.header.stamp)
@@ -126,7 +186,10 @@ class ControllerNode(RingNode[ControllerSettings]):
         if self._acted is not None and answered != self._acted:
             self._unanswered += 1
         tau_achieved = achieved if answered == self._acted else None
-        output = self._core.step(ControllerInputs(position, velocity, tau_achieved, valid), dt)
+        # The newest up to the estimate's own stamp; what has been used grows old in the core.
+        wind = self._wind.take(stamp + 1)
+        measured = None if wind is None else wind[1]
+        output = self._core.step(ControllerInputs(position, velocity, tau_achieved, valid, measured), dt)
         self._output, self._acted = output, stamp
         self._samples += 1
         if output.status != self._status:
@@ -224,11 +287,13 @@ class ControllerNode(RingNode[ControllerSettings]):
             message.proportional = output.proportional
             message.integral = output.integral
             message.derivative = output.derivative
+            message.wind_feedforward = output.wind_feedforward
             message.joystick = output.joystick
             message.transfer = output.transfer
         self._statuses.publish(message)
 
 
+_WIND = "wind"
 _NOTHING: FloatArray = np.zeros(3)
 _NOTHING.setflags(write=False)
 

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from marine_model import Vessel
+from marine_model.errors import InputError
 from marine_model.schema import NonNegativeVector3
 from marine_model.settings import Settings, setting
 
@@ -19,6 +21,22 @@ _SpeedFraction = Annotated[float, Field(ge=0.01, le=1.0)]
 _SpeedFraction3 = Annotated[tuple[_SpeedFraction, _SpeedFraction, _SpeedFraction], Field(strict=False)]
 
 _ONES = (1.0, 1.0, 1.0)
+
+
+class WindFeedforwardSettings(Settings):
+    """Use of the measured wind."""
+
+    enabled: bool = setting(False, "Ask for the opposite of the wind's estimated force; needs a measured wind")
+    gain: float = setting(1.0, "Part of the estimated force that is asked for", ge=0.0, le=2.0)
+    filter_time: float = setting(
+        1.0,
+        "Time constant with which the force follows the measured wind, so that thrusters do not follow gusts",
+        unit="s",
+        ge=0.0,
+    )
+    timeout: float = setting(
+        2.0, "Time without a measured wind after which the integral takes the feed-forward over", unit="s", ge=0.0
+    )
 
 
 class ControllerSettings(Settings):
@@ -54,6 +72,8 @@ class ControllerSettings(Settings):
         (0.0, 0.0, 0.0), "Largest demand in surge (N), sway (N), yaw (N m); 0 for no limit"
     )
 
+    wind_feedforward: WindFeedforwardSettings = WindFeedforwardSettings()
+
     @property
     def axis_modes(self) -> AxisModes:
         """Modes of surge, sway and yaw."""
@@ -68,3 +88,18 @@ _AXIS_MODES: dict[str, AxisModes] = {
     "setpoint": ("automatic", "automatic", "automatic"),
     "tracking": ("automatic", "automatic", "automatic"),
 }
+
+
+def check_settings(settings: ControllerSettings, vessel: Vessel) -> None:
+    """Refuse what the vessel cannot do.
+
+    Raises
+    ------
+    InputError
+        If feed-forward is enabled and nobody knows what the wind does to the vessel.
+    """
+    if settings.wind_feedforward.enabled and vessel.wind_forces is None:
+        raise InputError(
+            f"wind_feedforward.enabled: expected false, because vessel '{vessel.name}' has no section wind_forces, "
+            "found true"
+        )

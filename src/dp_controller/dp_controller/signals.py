@@ -21,6 +21,9 @@ class ControllerInputs:
     tau_achieved
         Shape (3,): generalized force (N, N, N m; body frame) that answers the demand of the last step, or None if that
         answer is not known: then nothing is fed back to the integral.
+    wind
+        Shape (2,): velocity of the air relative to the vessel, ahead and to starboard (m/s, body frame), newly measured
+        since the last step; None if there is no new measurement. Not looked at unless feed-forward is enabled.
     valid
         False if the observer has lost the vessel; position and velocity are not looked at then.
     """
@@ -29,14 +32,15 @@ class ControllerInputs:
     velocity: FloatArray
     tau_achieved: FloatArray | None = None
     valid: bool = True
+    wind: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class ControllerOutput:
     """Demand and how it came about. Forces are N, N, N m in the body frame, shape (3,).
 
-    Before limits, ``tau_desired`` is the sum of ``proportional``, ``integral``, ``derivative``, ``joystick`` and
-    ``transfer``.
+    Before limits, ``tau_desired`` is the sum of ``proportional``, ``integral``, ``derivative``, ``wind_feedforward``,
+    ``joystick`` and ``transfer``.
 
     Attributes
     ----------
@@ -54,7 +58,7 @@ class ControllerOutput:
         Shape (3,): m/s, m/s, rad/s in the body frame of the reference heading; zero in a manual axis.
     error
         Shape (3,): reference minus estimate, body frame of the vessel (m, m, rad); zero in a manual axis.
-    proportional, integral, derivative, joystick, transfer
+    proportional, integral, derivative, wind_feedforward, joystick, transfer
         Parts of the demand.
     """
 
@@ -69,5 +73,6 @@ class ControllerOutput:
     proportional: FloatArray
     integral: FloatArray
     derivative: FloatArray
+    wind_feedforward: FloatArray
     joystick: FloatArray
     transfer: FloatArray

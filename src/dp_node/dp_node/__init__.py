@@ -3,6 +3,7 @@
 from dp_node.answer_gate import AnswerGate
 from dp_node.executor import RingExecutor
 from dp_node.health import Health, Level
+from dp_node.inbox import Inbox, WaitingRoom
 from dp_node.node import DpNode
 from dp_node.quality import LATCHED, RING, RING_LOCKSTEP, RING_PUBLISHER
 from dp_node.ring_node import RingNode
@@ -17,10 +18,12 @@ __all__ = [
     "AnswerGate",
     "DpNode",
     "Health",
+    "Inbox",
     "Level",
     "RingExecutor",
     "RingNode",
     "StampSequence",
+    "WaitingRoom",
     "from_nanoseconds",
     "run_node",
     "run_nodes",

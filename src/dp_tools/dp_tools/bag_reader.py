@@ -35,6 +35,7 @@ _OF_STATUS = (
     "proportional",
     "integral",
     "derivative",
+    "wind_feedforward",
     "joystick",
     "transfer",
 )
@@ -120,6 +121,7 @@ class _Collector:
         self.words: dict[str, _Words] = {}
         self.topics: Mapping[str, Callable[[int, Any], None]] = {
             "pose": self._pose,
+            "wind": lambda stamp, m: self._row("wind", stamp, (m.vector.x, m.vector.y)),
             "truth": self._truth,
             "odometry": self._odometry,
             "observer_state": self._observer_state,
@@ -184,7 +186,8 @@ class _Collector:
 
     def _controller_status(self, stamp: int, m: Any) -> None:
         for name in _OF_STATUS:
-            self._row(name, stamp, getattr(m, name))
+            if hasattr(m, name):  # recordings of earlier versions have no wind_feedforward
+                self._row(name, stamp, getattr(m, name))
         self._word("controller_mode", stamp, m.mode)
         self._word("controller_status", stamp, m.status)
 

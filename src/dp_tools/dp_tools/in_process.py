@@ -229,13 +229,14 @@ class ClosedLoop:
         elapsed = self._ratio * self._step_ns * 1e-9 if k else self._vessel.measurement.sample_time
         simulator = self._simulator
         truth = simulator.truth()
+        wind = simulator.measure_wind()
         pose = simulator.measure()
         if pose is not None:
             pose = _as_sent(pose)
         estimate = self._observer.step(ObserverInputs(pose, self._tau_achieved), elapsed)
         position = _as_sent(estimate.position)
         demand = self._controller.step(
-            ControllerInputs(position, estimate.velocity, self._tau_achieved, estimate.valid), elapsed
+            ControllerInputs(position, estimate.velocity, self._tau_achieved, estimate.valid, wind), elapsed
         )
         settings = self._allocator.settings
         if k and settings.power.needs_measurement:
@@ -257,6 +258,8 @@ class ClosedLoop:
         log, rows, i = self._log, self._log.rows, k // self._ratio
         if pose is not None:
             rows["pose"][i] = pose
+        if wind is not None:
+            rows["wind"][i] = wind
         rows["truth_position"][i] = _as_sent(truth.position + truth.wave_position)
         for name in PROPULSION_TRUTH:
             rows[f"truth_{name}"][i] = getattr(truth, name)
@@ -269,6 +272,7 @@ class ClosedLoop:
         rows["proportional"][i] = demand.proportional
         rows["integral"][i] = demand.integral
         rows["derivative"][i] = demand.derivative
+        rows["wind_feedforward"][i] = demand.wind_feedforward
         rows["joystick"][i] = demand.joystick
         rows["transfer"][i] = demand.transfer
         rows["tau_desired"][i] = demand.tau_desired

@@ -26,6 +26,8 @@ from marine_model.guards import FloatArray
 #   reference_position      m, m, rad       map_ned
 #   reference_velocity      m/s, m/s, rad/s body frame
 #   proportional, integral, derivative, joystick, transfer, tau_desired, tau_achieved, slack    N, N, N m, body frame
+#   wind_feedforward        N, N, N m       body frame
+#   wind                    m/s             velocity of the air relative to the vessel, body frame; where it is measured
 #   thrust_command          N               azimuth_command   rad          allocation_cost   -
 #   torque_loss             1               beta_Q2 in use by the allocator; where anti-spin was on at any time
 #   minimum_gain            1               at the commanded angles, scaled; rotating thrusters push only
@@ -51,6 +53,8 @@ WIDTHS: Mapping[str, int] = {
     "proportional": 3,
     "integral": 3,
     "derivative": 3,
+    "wind_feedforward": 3,
+    "wind": 2,
     "joystick": 3,
     "transfer": 3,
     "tau_desired": 3,
@@ -97,6 +101,7 @@ SOMETIMES = frozenset(
         "minimum_gain_both_ways",
         "minimum_gain_free",
         "crossing",
+        "wind",
     )
 )
 

@@ -215,6 +215,8 @@ class Measurement(Section):
     shaft_speed_noise: NonNegative  # Hz, standard deviation
     azimuth_noise: NonNegative  # rad, standard deviation
     dropout: Fraction  # chance that a pose is lost
+    wind_speed_noise: NonNegative = 0.0  # m/s, standard deviation
+    wind_direction_noise: NonNegative = 0.0  # rad, standard deviation
 
 
 class Simulation(Section):

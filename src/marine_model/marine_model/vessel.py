@@ -17,6 +17,7 @@ from marine_model.schema import FieldError, Positive
 from marine_model.sector import Sector
 from marine_model.thruster import AzimuthThruster
 from marine_model.thruster_configuration import cartesian_configuration
+from marine_model.wind import WindForces
 
 
 class Vessel(Propulsion):
@@ -28,6 +29,7 @@ class Vessel(Propulsion):
     hull: Particulars
     manoeuvring: Manoeuvring
     wave_forces: WaveForces
+    wind_forces: WindForces | None = None  # without, the wind does not blow
     observer: ObserverGains
     controller: ControllerGains
     allocator: AllocatorGains

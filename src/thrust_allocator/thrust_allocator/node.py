@@ -11,14 +11,13 @@ import numpy as np
 from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback, Ventilation
 from geometry_msgs.msg import WrenchStamped
 
-from dp_node import Health, RingNode, StampSequence, run_node, seconds_between, to_nanoseconds
+from dp_node import Health, Inbox, RingNode, StampSequence, WaitingRoom, run_node, seconds_between, to_nanoseconds
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME
 from marine_model.guards import FloatArray, finite_vector
 from thrust_allocator.allocator import Allocator
 from thrust_allocator.node_health import Tally, health_of
-from thrust_allocator.node_inputs import Inbox, WaitingRoom
 from thrust_allocator.result import AllocationResult, Status
 from thrust_allocator.settings import AllocatorSettings, check_settings
 

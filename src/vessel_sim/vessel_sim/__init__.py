@@ -1,6 +1,13 @@
-"""Simulated vessel: hull, thrusters, waves, current and sensors. The core is free of middleware."""
+"""Simulated vessel: hull, thrusters, waves, current, wind and sensors. The core is free of middleware."""
 
-from vessel_sim.settings import CurrentSettings, InitialState, PropulsionSettings, SimulatorSettings, WaveSettings
+from vessel_sim.settings import (
+    CurrentSettings,
+    InitialState,
+    PropulsionSettings,
+    SimulatorSettings,
+    WaveSettings,
+    WindSettings,
+)
 from vessel_sim.simulator import Simulator, SimulatorInputs, SimulatorOutput, SimulatorTruth
 
 __all__ = [
@@ -13,4 +20,5 @@ __all__ = [
     "SimulatorSettings",
     "SimulatorTruth",
     "WaveSettings",
+    "WindSettings",
 ]

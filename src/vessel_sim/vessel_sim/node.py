@@ -11,7 +11,7 @@ from typing import Any, Self
 
 from dp_msgs.msg import ActuatorSetpoint, PropulsionTruth, ThrusterFeedback
 from dp_msgs.srv import Advance
-from geometry_msgs.msg import PoseWithCovarianceStamped, WrenchStamped
+from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from pydantic import model_validator
 from rclpy.qos import QoSProfile
@@ -24,7 +24,7 @@ from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
 from marine_model.guards import FloatArray, finite_vector
 from marine_model.settings import setting
 from vessel_sim.pace import Pace
-from vessel_sim.settings import SimulatorSettings
+from vessel_sim.settings import SimulatorSettings, check_wind
 from vessel_sim.simulator import Simulator, SimulatorInputs
 
 _WATCH_PERIOD = 0.1  # s of wall time between two looks at the graph and at answers that are overdue
@@ -82,6 +82,10 @@ class VesselSimNode(DpNode[NodeSettings]):
         """Return the settings that hold when no parameter overrides them."""
         return NodeSettings()
 
+    def check(self, settings: NodeSettings) -> None:
+        """Refuse wind on a vessel without wind_forces."""
+        check_wind(settings.wind, self.vessel)
+
     @property
     def hearing(self) -> QoSProfile:
         """Answers sent before the drivers knew this node as well, in lockstep: it waits for each of them."""
@@ -109,6 +113,8 @@ class VesselSimNode(DpNode[NodeSettings]):
 
         self._make_messages()
         self._publish_pose = self.publish_on(PoseWithCovarianceStamped, "pose")
+        # Where nobody knows what the wind does to the vessel, it does not blow.
+        self._publish_wind = None if vessel.wind_forces is None else self.publish_on(Vector3Stamped, "wind")
         self._publish_feedback = self.publish_on(ThrusterFeedback, "thruster_feedback")
         self._publish_clock = self.publish_on(Clock, "clock")  # /clock, unless in a namespace
         self._publish_truth = self.publish_on(Odometry, "truth")
@@ -372,6 +378,8 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._pose.pose.covariance = covariance
         start = self.settings.initial
         self._set_pose(self._pose.pose.pose, start.north, start.east, start.heading)
+        self._wind = Vector3Stamped()
+        self._wind.header.frame_id = BODY_FRAME
         self._feedback = ThrusterFeedback(name=list(self.vessel.thruster_names))
         self._feedback.header.frame_id = BODY_FRAME
         self._clock_message = Clock()
@@ -391,6 +399,7 @@ class VesselSimNode(DpNode[NodeSettings]):
         """Publish truth and measurement; a lost measurement is the last one, marked by covariance[0] = -1."""
         stamp = from_nanoseconds(self._now_ns)
         self._send_truth(stamp)
+        self._send_wind(stamp)
         measured = self._simulator.measure()
         message = self._pose
         message.header.stamp = stamp
@@ -402,6 +411,15 @@ class VesselSimNode(DpNode[NodeSettings]):
             message.pose.covariance[0] = self.vessel.measurement.position_noise**2
             self._set_pose(message.pose.pose, *measured.tolist())
         self._publish_pose.publish(message)
+
+    def _send_wind(self, stamp: Any) -> None:
+        measured = self._simulator.measure_wind()
+        if self._publish_wind is None or measured is None:
+            return
+        message = self._wind
+        message.header.stamp = stamp
+        message.vector.x, message.vector.y = measured.tolist()
+        self._publish_wind.publish(message)
 
     def _send_truth(self, stamp: Any) -> None:
         truth = self._simulator.truth()
@@ -419,7 +437,7 @@ class VesselSimNode(DpNode[NodeSettings]):
         twist.linear.x, twist.linear.y, twist.angular.z = total.real, total.imag, r + w_yaw
         self._publish_truth.publish(message)
 
-        force = (truth.wave_force + truth.current_force).tolist()
+        force = (truth.wave_force + truth.current_force + truth.wind_force).tolist()
         wrench = self._environment.wrench
         self._environment.header.stamp = stamp
         wrench.force.x, wrench.force.y, wrench.torque.z = force

@@ -6,11 +6,16 @@ for speed, and used up whether noise is on or off: switching it changes nothing 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from marine_model.guards import FloatArray
 
 _BLOCK = 1024
+
+# Key of what has random numbers of its own, whoever else draws any. 0 and up are spawned by noise_streams.
+OWN_STREAMS: Mapping[str, int] = {"gusts": 100, "wind_direction": 101, "wind_sensor": 102, "current": 103}
 
 
 class NoiseStream:
@@ -46,3 +51,17 @@ def noise_streams(seed: int, *widths: int) -> tuple[NoiseStream, ...]:
     """Return independent streams, one for each of ``widths``."""
     children = np.random.SeedSequence(seed).spawn(len(widths))
     return tuple(NoiseStream(child, width) for child, width in zip(children, widths, strict=True))
+
+
+def own_stream(seed: int, what: str, width: int) -> NoiseStream:
+    """Return the stream of ``what`` out of ``OWN_STREAMS``: no other stream of the run changes with it."""
+    return NoiseStream(_sequence(seed, what), width)
+
+
+def generator(seed: int, what: str) -> np.random.Generator:
+    """Return a new generator of the random numbers of ``what`` out of ``OWN_STREAMS``."""
+    return np.random.Generator(np.random.PCG64(_sequence(seed, what)))
+
+
+def _sequence(seed: int, what: str) -> np.random.SeedSequence:
+    return np.random.SeedSequence(seed, spawn_key=(OWN_STREAMS[what],))

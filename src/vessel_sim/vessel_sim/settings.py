@@ -1,4 +1,4 @@
-"""Settings of the simulator: the sea, the sensors, and where the run begins."""
+"""Settings of the simulator: sea, current and wind, the sensors, and where the run begins."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import Self
 
 from pydantic import model_validator
 
+from marine_model import Vessel
 from marine_model.constants import GRAVITY
+from marine_model.errors import InputError
 from marine_model.settings import Settings, setting
 
 _BREAKING_STEEPNESS = 1.0 / 7.0  # height over length of the steepest wave that does not break (Michell)
@@ -57,6 +59,40 @@ class CurrentSettings(Settings):
         le=2.0 * math.pi,
     )
 
+    variation: float = setting(
+        0.0, "Standard deviation of a slow variation of the speed about its mean", unit="m/s", ge=0.0
+    )
+    direction_variation: float = setting(
+        0.0, "Standard deviation of a slow variation of the direction about its mean", unit="rad", ge=0.0, le=math.pi
+    )
+    time_constant: float = setting(
+        100.0, "Time in which a variation fades to 1/e (first-order Gauss-Markov process)", unit="s", ge=0.1
+    )
+
+
+class WindSettings(Settings):
+    """Wind, where the vessel has wind_forces."""
+
+    speed: float = setting(
+        0.0,
+        "Mean wind speed (one hour at full scale), 10 m above the sea at full scale; at the scale of the vessel",
+        unit="m/s",
+        ge=0.0,
+    )
+    direction: float = setting(
+        math.pi,
+        "Direction in NED that the wind blows towards; pi is head wind for a ship heading north",
+        unit="rad",
+        ge=-2.0 * math.pi,
+        le=2.0 * math.pi,
+    )
+    gusts: bool = setting(False, "Gusts of the NPD spectrum along the mean wind")
+    components: int = setting(100, "Components that the gusts are made of", ge=1, le=10_000)
+    direction_variation: float = setting(
+        0.0, "Standard deviation of a slow variation of the direction about its mean", unit="rad", ge=0.0, le=math.pi
+    )
+    time_constant: float = setting(100.0, "Time in which the variation of the direction fades to 1/e", unit="s", ge=0.1)
+
 
 class PropulsionSettings(Settings):
     """What the water does to the propellers."""
@@ -80,10 +116,26 @@ class SimulatorSettings(Settings):
 
     waves: WaveSettings = WaveSettings()
     current: CurrentSettings = CurrentSettings()
+    wind: WindSettings = WindSettings()
     propulsion: PropulsionSettings = PropulsionSettings()
     initial: InitialState = InitialState()
-    seed: int = setting(0, "Seed of all sensor noise and dropout", ge=0, read_only=True)
+    seed: int = setting(0, "Seed of sensor noise, dropout, gusts and slow variations", ge=0, read_only=True)
     sensor_noise: bool = setting(True, "Sensors have the noise that the vessel file gives them")
     pose_dropout: float = setting(
         0.0, "Chance that a pose is lost, on top of the vessel file's dropout", ge=0.0, le=1.0
     )
+
+
+def check_wind(settings: WindSettings, vessel: Vessel) -> None:
+    """Refuse wind on a vessel of which nobody knows what the wind does to it.
+
+    Raises
+    ------
+    InputError
+        If so.
+    """
+    if settings.speed > 0.0 and vessel.wind_forces is None:
+        raise InputError(
+            f"wind.speed: expected 0, because vessel '{vessel.name}' has no section wind_forces, "
+            f"found {settings.speed} m/s"
+        )

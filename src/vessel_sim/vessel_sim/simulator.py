@@ -11,13 +11,15 @@ from marine_model.errors import InputError
 from marine_model.frames import wrap_angle, wrap_angles
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
+from vessel_sim.current import Current
 from vessel_sim.hull import Hull, Triple
 from vessel_sim.inflow import Inflow
-from vessel_sim.noise import noise_streams
+from vessel_sim.noise import noise_streams, own_stream
 from vessel_sim.propulsion import PropulsionPlant, columns
 from vessel_sim.propulsion.readings import sensed
 from vessel_sim.settings import SimulatorSettings
 from vessel_sim.waves import HullForm, Waves
+from vessel_sim.wind import Wind
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +57,8 @@ class SimulatorTruth:
     wave_velocity: FloatArray  # its rate of change, m/s, m/s, rad/s in NED
     wave_force: FloatArray  # mean drift, N, N, N m in the body frame
     current_force: FloatArray  # hydrodynamic force less what it would be without current, body frame
+    wind_force: FloatArray  # N, N, N m in the body frame
+    current: FloatArray  # (2,) m/s north, east
     thruster_force: FloatArray  # N, N, N m in the body frame
     thrust: FloatArray  # (n,) N, after losses
     azimuth: FloatArray  # (n,) rad in [-pi, pi)
@@ -70,19 +74,21 @@ class Simulator:
     """A vessel at rest over ground at the start, with stopped shafts and azimuths in their fixed directions.
 
     One step holds the set points. Shafts and azimuth servos are solved exactly; the hull is integrated with Heun's
-    method (explicit trapezoidal rule) between the thruster and wave forces at both ends of the step: order 2.
+    method (explicit trapezoidal rule) between the thruster and wave forces at both ends of the step: order 2. Current
+    and wind force are held over the step, the gusts as they are in the middle of it.
 
     Parameters
     ----------
     vessel
         The vessel.
     settings
-        Sea, sensors, start.
+        Sea, wind, sensors, start.
 
     Raises
     ------
     InputError
-        If the time step of the vessel is too long for its hull.
+        If the time step of the vessel is too long for its hull, or wind is to blow on a vessel without
+        ``wind_forces``.
     """
 
     def __init__(self, vessel: Vessel, settings: SimulatorSettings | None = None) -> None:
@@ -97,12 +103,18 @@ class Simulator:
         n = len(vessel.thrusters)
         self._pose_noise, self._thruster_noise = noise_streams(settings.seed, 3, 2 * n)
         self._measured: tuple[float, FloatArray | None] | None = None
+        self._wind_noise = own_stream(settings.seed, "wind_sensor", 2)
+        self._wind_measured: tuple[float, FloatArray] | None = None
 
         self._time = 0.0
         start = settings.initial
         self._position: Triple = (start.north, start.east, start.heading)
         self._relative: Triple = (0.0, 0.0, 0.0)  # velocity through the water, body frame
         self._current = (0.0, 0.0)  # NED
+        self._current_source = Current(settings.current, settings.seed)
+        self._wind = Wind(vessel, settings.wind, settings.seed)
+        self._has_wind_sensor = vessel.wind_forces is not None
+        self._wind_force: Triple = (0.0, 0.0, 0.0)  # held over the step
         self._thruster_force: Triple = (0.0, 0.0, 0.0)
         self._settings = settings
         self.apply(settings)
@@ -131,25 +143,17 @@ class Simulator:
         Raises
         ------
         InputError
-            If they differ in what is fixed at the start (seed, initial); nothing is changed then.
+            If they differ in what is fixed at the start (seed, initial), or wind is to blow on a vessel without
+            ``wind_forces``; nothing is changed then.
         """
         for name in ("seed", "initial"):
             now, asked = getattr(self._settings, name), getattr(settings, name)
             if now != asked:
                 raise InputError(f"{name}: cannot change during a run, expected {now}, found {asked}")
-        heading = self._position[2]
-        c, s = math.cos(heading), math.sin(heading)
-        current = settings.current
-        north = current.speed * math.cos(current.direction)
-        east = current.speed * math.sin(current.direction)
-        more_north, more_east = north - self._current[0], east - self._current[1]
-        u, v, r = self._relative
-        self._relative = (
-            u - c * more_north - s * more_east,
-            v + s * more_north - c * more_east,
-            r,
-        )
-        self._current = (north, east)
+        if settings.wind != self._settings.wind:
+            self._wind.apply(settings.wind)
+        self._current_source.settings = settings.current
+        self._set_current()
         if settings.waves != self._settings.waves:
             self._waves.apply(settings.waves)
         self._plant.ventilation = settings.propulsion.ventilation
@@ -174,6 +178,7 @@ class Simulator:
         if not 0.0 < dt <= self._time_step * (1.0 + 1e-9):  # a dt from stamps is off by rounding
             raise InputError(f"dt: expected above 0 and at most {self._time_step} s, found {dt}")
         self._plant.command(inputs.torque, inputs.azimuth_rate, inputs.pitch_ratio)
+        self._vary_current_and_wind(dt)
         self._sail(dt)
         self._time += dt
         self._output = self._observe()
@@ -212,6 +217,31 @@ class Simulator:
         self._measured = (self._time, pose)
         return pose
 
+    def measure_wind(self) -> FloatArray | None:
+        """Return what the anemometer shows now, shape (2,): velocity of the air relative to the vessel, m/s.
+
+        Ahead and to starboard in the body frame, so that head wind has a negative first number; at the height of the
+        centroid of the lateral area. None if the vessel has no ``wind_forces``. Asked again at the same instant, it
+        gives the same answer.
+        """
+        if not self._has_wind_sensor:
+            return None
+        if self._wind_measured is not None and self._wind_measured[0] == self._time:
+            return self._wind_measured[1]
+        (e_speed, e_angle), _ = self._wind_noise.row()
+        north, east = self._wind.velocity(self._time)
+        c, s = math.cos(self._position[2]), math.sin(self._position[2])
+        u, v, _ = self._velocity()
+        ahead, starboard = c * north + s * east - u, c * east - s * north - v
+        data = self._measurement
+        if self._settings.sensor_noise and (data.wind_speed_noise or data.wind_direction_noise):
+            speed = math.hypot(ahead, starboard) + data.wind_speed_noise * e_speed
+            angle = math.atan2(starboard, ahead) + data.wind_direction_noise * e_angle
+            ahead, starboard = speed * math.cos(angle), speed * math.sin(angle)
+        measured = np.array([ahead, starboard])
+        self._wind_measured = (self._time, measured)
+        return measured
+
     def truth(self) -> SimulatorTruth:
         """Return the true state now."""
         position, rate = self._waves.motion(self._position, self._velocity_ned(), self._time)
@@ -229,6 +259,8 @@ class Simulator:
             wave_velocity=np.array(rate),
             wave_force=np.array(self._waves.drift_force(math.cos(heading), math.sin(heading))),
             current_force=np.array(with_current) - np.array(without),
+            wind_force=np.array(self._wind.force(self._time, heading, u, v)),
+            current=np.array(self._current),
             thruster_force=np.array(self._thruster_force),
             thrust=state[columns.THRUST],
             azimuth=wrap_angles(state[columns.AZIMUTH]),
@@ -248,6 +280,26 @@ class Simulator:
         """Return the energy of hull and entrained water in the frame of the water, J."""
         return self._hull.kinetic_energy(*self._relative)
 
+    def _set_current(self) -> None:
+        """Take over the current: the velocity over ground does not jump, that through the water does."""
+        north, east = self._current_source.velocity
+        more_north, more_east = north - self._current[0], east - self._current[1]
+        c, s = math.cos(self._position[2]), math.sin(self._position[2])
+        u, v, r = self._relative
+        self._relative = (u - c * more_north - s * more_east, v + s * more_north - c * more_east, r)
+        self._current = (north, east)
+
+    def _vary_current_and_wind(self, dt: float) -> None:
+        """Set the current and the wind force that hold over the step."""
+        if self._current_source.advance(dt):
+            self._set_current()
+        if self._wind.blows:
+            self._wind.advance(dt)
+            u, v, _ = self._velocity()
+            self._wind_force = self._wind.force(self._time + 0.5 * dt, self._position[2], u, v)
+        else:
+            self._wind_force = (0.0, 0.0, 0.0)
+
     def _sail(self, dt: float) -> None:
         """Heun's method on position and velocity through the water.
 
@@ -259,11 +311,12 @@ class Simulator:
         current_north, current_east = self._current
         acceleration = self._hull.acceleration
         drift = self._waves.drift_force
+        ax, ay, an = self._wind_force
 
         c, s = math.cos(heading), math.sin(heading)
         fx, fy, fn = self._thruster_force
         wx, wy, wn = drift(c, s)
-        du, dv, dr = acceleration(u, v, r, fx + wx, fy + wy, fn + wn)
+        du, dv, dr = acceleration(u, v, r, fx + wx + ax, fy + wy + ay, fn + wn + an)
         self._waves.advance(dt)
 
         ahead = u2, v2, r2 = u + dt * du, v + dt * dv, r + dt * dr
@@ -277,7 +330,7 @@ class Simulator:
         self._step_thrusters(place, ahead, dt)
         fx, fy, fn = self._thruster_force
         wx, wy, wn = drift(c2, s2)
-        du2, dv2, dr2 = acceleration(u2, v2, r2, fx + wx, fy + wy, fn + wn)
+        du2, dv2, dr2 = acceleration(u2, v2, r2, fx + wx + ax, fy + wy + ay, fn + wn + an)
 
         half = 0.5 * dt
         self._position = (

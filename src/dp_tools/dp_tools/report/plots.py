@@ -308,12 +308,16 @@ def control_terms(scene: Scene, span: Span) -> Picture:
     ):
         for i in range(3):
             panels.draw(i, run[name].t, run[name].values[:, i], name, color, linewidth=1.0)
+    if "wind_feedforward" in run and run["wind_feedforward"].values.any():
+        term = run["wind_feedforward"]
+        for i in range(3):
+            panels.draw(i, term.t, term.values[:, i], "wind feed-forward", style.LIMIT, linewidth=1.0)
     for i in range(3):
         panels.at_least(i, 0.5)
     return Picture(
         "Controller: proportional, integral and derivative terms",
-        "With joystick and the fading part of a switch of modes they add up to the desired generalized force, before "
-        "limits. The integral term settles at what balances the environment.",
+        "With wind feed-forward, joystick and the fading part of a switch of modes they add up to the desired "
+        "generalized force, before limits. The integral term settles at what balances the environment.",
         panels.image(),
         "Proportional, integral and derivative terms in surge, sway and yaw over time",
     )

@@ -1,7 +1,8 @@
-"""What the node keeps of messages until a demand uses them, and the demand that waits for them; without ROS.
+"""What a node keeps of messages until a demand uses them, and the demand that waits for them; without ROS.
 
 In lockstep every run gives the same numbers, so that what a demand uses may not depend on which message was faster: a
-demand at t uses the newest message from before t, and waits until that of one time step before t has come.
+demand at t uses the newest message from before t, and waits until that of one time step before t has come. With a time
+step of 0 it waits for that of t itself.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ class WaitingRoom(Generic[D]):
     Parameters
     ----------
     time_step
-        Between two messages of every topic, ns.
+        How long before the demand what it needs was stamped, ns: 0 for what has its own stamp.
     """
 
     def __init__(self, time_step: int) -> None:

@@ -1,11 +1,11 @@
-"""Inboxes and waiting room of the allocator's node."""
+"""Inboxes and the waiting room."""
 
 from __future__ import annotations
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thrust_allocator.node_inputs import Inbox, WaitingRoom
+from dp_node import Inbox, WaitingRoom
 
 
 def test_the_newest_before_a_stamp_is_taken_once() -> None:
