@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Self
+from typing import Annotated, Any, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from marine_model.constants import GRAVITY
+from marine_model.errors import InputError
 from marine_model.settings import Settings, setting
+from marine_model.vessel import Vessel
+
+Switches = Annotated[tuple[bool, ...], Field(strict=False)]
 
 _BREAKING_STEEPNESS = 1.0 / 7.0  # height over length of the steepest wave that does not break (Michell)
 
@@ -59,10 +63,14 @@ class CurrentSettings(Settings):
 
 
 class PropulsionSettings(Settings):
-    """What the water does to the propellers."""
+    """What the water does to the propellers, and which thrusters have failed; empty means none."""
 
     inflow: bool = setting(True, "Advance speed at the propellers changes their thrust and torque")
     ventilation: bool = setting(True, "Propellers near the surface lose thrust and torque to air")
+    failed: Switches = setting((), "Per thruster: true for one whose motor gives no torque, so that it windmills")
+    azimuth_failed: Switches = setting(
+        (), "Per thruster: true for one whose azimuth motor gives no rate, so that it stays where it points"
+    )
 
 
 class InitialState(Settings):
@@ -87,3 +95,25 @@ class SimulatorSettings(Settings):
     pose_dropout: float = setting(
         0.0, "Chance that a pose is lost, on top of the vessel file's dropout", ge=0.0, le=1.0
     )
+
+    @classmethod
+    def for_vessel(cls, vessel: Vessel, **overrides: Any) -> Self:
+        """Return settings with fields over thrusters written out for ``vessel``."""
+        none = (False,) * len(vessel.thrusters)
+        return cls(**({"propulsion": PropulsionSettings(failed=none, azimuth_failed=none)} | overrides))
+
+
+def check_settings(settings: SimulatorSettings, vessel: Vessel) -> None:
+    """Check ``settings`` against ``vessel``.
+
+    Raises
+    ------
+    InputError
+        If a field over thrusters has the wrong length.
+    """
+    n = len(vessel.thrusters)
+    for name in ("failed", "azimuth_failed"):
+        found = len(getattr(settings.propulsion, name))
+        if found not in (0, n):
+            names = ", ".join(vessel.thruster_names)
+            raise InputError(f"propulsion.{name}: expected {n} elements, one a thruster ({names}), found {found}")
