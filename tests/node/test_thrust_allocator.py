@@ -329,6 +329,7 @@ def assert_tells(status: Any, result: AllocationResult) -> None:
     expected: dict[str, Any] = {
         "status": result.status.value,
         "azimuth_mode": result.azimuth_mode,
+        "performance_measure": result.mean_force,
         "solver": result.solver,
         "cost": result.cost,
         "slack": result.slack,

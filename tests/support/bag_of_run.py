@@ -257,6 +257,7 @@ class BagOfRun:
             header=self._header(stamp),
             status=self._word("allocation_status", i),
             azimuth_mode=self._word("azimuth_mode", i),
+            performance_measure=self._gain("performance_measure", i),
             solver="daqp",
             cost=float(self._row("allocation_cost", i)[0]),
             slack=self._row("slack", i),

@@ -40,6 +40,15 @@ _OF_STATUS = (
     "transfer",
 )
 
+# Numbers of allocation_status that are NaN where nobody asked for them.
+_STATUS_NUMBERS = (
+    "performance_measure",
+    "minimum_gain",
+    "minimum_gain_both_ways",
+    "minimum_gain_free",
+    "sub_problem",
+)
+
 Row = tuple[float, ...]
 
 
@@ -202,7 +211,13 @@ class _Collector:
         self._word("azimuth_mode", stamp, m.azimuth_mode)
         if getattr(m, "antispin", False):  # not in recordings of earlier versions
             self._row("torque_loss", stamp, m.torque_loss)
-        for name in ("minimum_gain", "minimum_gain_both_ways", "minimum_gain_free", "sub_problem"):
+        for name in (
+            "performance_measure",
+            "minimum_gain",
+            "minimum_gain_both_ways",
+            "minimum_gain_free",
+            "sub_problem",
+        ):
             value = float(getattr(m, name, np.nan))
             if np.isfinite(value):
                 self._row(name, stamp, (value,))

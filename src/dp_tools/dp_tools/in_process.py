@@ -287,6 +287,7 @@ class ClosedLoop:
         rows["minimum_gain_both_ways"][i] = answer.gain_both_ways.gain
         if answer.avoidance is not None:
             rows["minimum_gain_free"][i] = answer.avoidance.minimum_gain_free
+        rows["performance_measure"][i] = answer.mean_force
         rows["rotating"][i] = answer.rotating
         rows["sub_problem"][i] = 0.0
         if answer.sectors is not None:

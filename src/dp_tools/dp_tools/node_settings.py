@@ -20,7 +20,7 @@ DRIVERS = "thruster_drivers"
 def default_settings(vessel: Vessel) -> dict[str, Settings]:
     """Return the settings of every node, by node name, that hold when nothing overrides them."""
     return {
-        SIMULATOR: SimulatorSettings(),
+        SIMULATOR: SimulatorSettings.for_vessel(vessel),
         OBSERVER: ObserverSettings(),
         CONTROLLER: ControllerSettings(),
         ALLOCATOR: AllocatorSettings.for_vessel(vessel),

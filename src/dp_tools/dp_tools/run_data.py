@@ -33,6 +33,7 @@ from marine_model.guards import FloatArray
 #   minimum_gain            1               at the commanded angles, scaled; rotating thrusters push only
 #   minimum_gain_both_ways  1               if every thruster could reverse
 #   minimum_gain_free       1               what it would be without singularity avoidance; where that is on
+#   performance_measure     N               filtered surge-sway demand; where azimuth_mode is auto
 #   sub_problem             1               chosen combination of windows, 0 without sectors
 #   rotating, crossing      0 or 1          allocated as a rotating thruster; on the way to its window
 # One row a feedback (drivers' rate):
@@ -78,6 +79,7 @@ WIDTHS: Mapping[str, int] = {
     "minimum_gain": 1,
     "minimum_gain_both_ways": 1,
     "minimum_gain_free": 1,
+    "performance_measure": 1,
     "sub_problem": 1,
     "rotating": 0,
     "crossing": 0,
@@ -100,6 +102,7 @@ SOMETIMES = frozenset(
         "minimum_gain",
         "minimum_gain_both_ways",
         "minimum_gain_free",
+        "performance_measure",
         "crossing",
         "wind",
     )

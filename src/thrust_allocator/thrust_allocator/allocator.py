@@ -291,6 +291,7 @@ class Allocator:
             status=status,
             message=message,
             azimuth_mode="rotating" if rotating else "fixed",
+            mean_force=self._mode_state.mean_force if self._mode is AzimuthMode.AUTO else math.nan,
             solver=self._engine.solver_of(answer),
             sectors=sectors,
             power=power,

@@ -258,6 +258,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         status.header = header
         status.status = result.status.value
         status.azimuth_mode = result.azimuth_mode
+        status.performance_measure = result.mean_force
         status.solver = result.solver
         status.cost = result.cost
         status.slack = result.slack

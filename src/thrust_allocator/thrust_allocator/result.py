@@ -53,6 +53,8 @@ class AllocationResult:
         Why it was not the usual one; empty otherwise.
     azimuth_mode
         Mode in force: fixed or rotating.
+    mean_force
+        Performance measure of (6.3): low-pass filtered surge-sway demand, N; NaN unless the operator asks for auto.
     solver
         Name of the solver that answered: that of the settings, or daqp in place of the package's own.
     sectors
@@ -82,6 +84,7 @@ class AllocationResult:
     status: Status
     message: str
     azimuth_mode: str
+    mean_force: float
     solver: str
     sectors: SectorReport | None
     power: PowerReport | None

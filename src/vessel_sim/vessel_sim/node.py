@@ -24,7 +24,7 @@ from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
 from marine_model.guards import FloatArray, finite_vector
 from marine_model.settings import setting
 from vessel_sim.pace import Pace
-from vessel_sim.settings import SimulatorSettings, check_wind
+from vessel_sim.settings import SimulatorSettings, check_settings
 from vessel_sim.simulator import Simulator, SimulatorInputs
 
 _WATCH_PERIOD = 0.1  # s of wall time between two looks at the graph and at answers that are overdue
@@ -80,11 +80,11 @@ class VesselSimNode(DpNode[NodeSettings]):
 
     def default_settings(self, vessel: Vessel) -> NodeSettings:
         """Return the settings that hold when no parameter overrides them."""
-        return NodeSettings()
+        return NodeSettings.for_vessel(vessel)
 
     def check(self, settings: NodeSettings) -> None:
-        """Refuse wind on a vessel without wind_forces."""
-        check_wind(settings.wind, self.vessel)
+        """Refuse settings that do not fit the vessel."""
+        check_settings(settings, self.vessel)
 
     @property
     def hearing(self) -> QoSProfile:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Self
+from typing import Annotated, Any, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
-from marine_model import Vessel
 from marine_model.constants import GRAVITY
 from marine_model.errors import InputError
 from marine_model.settings import Settings, setting
+from marine_model.vessel import Vessel
+
+Switches = Annotated[tuple[bool, ...], Field(strict=False)]
 
 _BREAKING_STEEPNESS = 1.0 / 7.0  # height over length of the steepest wave that does not break (Michell)
 
@@ -95,10 +97,14 @@ class WindSettings(Settings):
 
 
 class PropulsionSettings(Settings):
-    """What the water does to the propellers."""
+    """What the water does to the propellers, and which thrusters have failed; empty means none."""
 
     inflow: bool = setting(True, "Advance speed at the propellers changes their thrust and torque")
     ventilation: bool = setting(True, "Propellers near the surface lose thrust and torque to air")
+    failed: Switches = setting((), "Per thruster: true for one whose motor gives no torque, so that it windmills")
+    azimuth_failed: Switches = setting(
+        (), "Per thruster: true for one whose azimuth motor gives no rate, so that it stays where it points"
+    )
 
 
 class InitialState(Settings):
@@ -125,17 +131,30 @@ class SimulatorSettings(Settings):
         0.0, "Chance that a pose is lost, on top of the vessel file's dropout", ge=0.0, le=1.0
     )
 
+    @classmethod
+    def for_vessel(cls, vessel: Vessel, **overrides: Any) -> Self:
+        """Return settings with fields over thrusters written out for ``vessel``."""
+        none = (False,) * len(vessel.thrusters)
+        return cls(**({"propulsion": PropulsionSettings(failed=none, azimuth_failed=none)} | overrides))
 
-def check_wind(settings: WindSettings, vessel: Vessel) -> None:
-    """Refuse wind on a vessel of which nobody knows what the wind does to it.
+
+def check_settings(settings: SimulatorSettings, vessel: Vessel) -> None:
+    """Check ``settings`` against ``vessel``.
 
     Raises
     ------
     InputError
-        If so.
+        If a field over thrusters has the wrong length, or wind is to blow on a vessel of which nobody knows what the
+        wind does to it.
     """
-    if settings.speed > 0.0 and vessel.wind_forces is None:
+    n = len(vessel.thrusters)
+    for name in ("failed", "azimuth_failed"):
+        found = len(getattr(settings.propulsion, name))
+        if found not in (0, n):
+            names = ", ".join(vessel.thruster_names)
+            raise InputError(f"propulsion.{name}: expected {n} elements, one a thruster ({names}), found {found}")
+    speed = settings.wind.speed
+    if speed > 0.0 and vessel.wind_forces is None:
         raise InputError(
-            f"wind.speed: expected 0, because vessel '{vessel.name}' has no section wind_forces, "
-            f"found {settings.speed} m/s"
+            f"wind.speed: expected 0, because vessel '{vessel.name}' has no section wind_forces, found {speed} m/s"
         )

@@ -17,7 +17,7 @@ from vessel_sim.inflow import Inflow
 from vessel_sim.noise import noise_streams, own_stream
 from vessel_sim.propulsion import PropulsionPlant, columns
 from vessel_sim.propulsion.readings import sensed
-from vessel_sim.settings import SimulatorSettings
+from vessel_sim.settings import SimulatorSettings, check_settings
 from vessel_sim.waves import HullForm, Waves
 from vessel_sim.wind import Wind
 
@@ -87,12 +87,12 @@ class Simulator:
     Raises
     ------
     InputError
-        If the time step of the vessel is too long for its hull, or wind is to blow on a vessel without
-        ``wind_forces``.
+        If the time step of the vessel is too long for its hull, or the settings do not fit the vessel.
     """
 
     def __init__(self, vessel: Vessel, settings: SimulatorSettings | None = None) -> None:
         settings = settings or SimulatorSettings()
+        self._vessel = vessel
         self._hull = Hull(vessel)
         self._waves = Waves(HullForm.of(vessel), settings.waves)
         self._plant = PropulsionPlant(vessel)
@@ -143,9 +143,10 @@ class Simulator:
         Raises
         ------
         InputError
-            If they differ in what is fixed at the start (seed, initial), or wind is to blow on a vessel without
-            ``wind_forces``; nothing is changed then.
+            If they differ in what is fixed at the start (seed, initial), or do not fit the vessel; nothing is changed
+            then.
         """
+        check_settings(settings, self._vessel)
         for name in ("seed", "initial"):
             now, asked = getattr(self._settings, name), getattr(settings, name)
             if now != asked:
@@ -157,6 +158,7 @@ class Simulator:
         if settings.waves != self._settings.waves:
             self._waves.apply(settings.waves)
         self._plant.ventilation = settings.propulsion.ventilation
+        self._plant.fail(settings.propulsion.failed, settings.propulsion.azimuth_failed)
         self._settings = settings
 
     def step(self, inputs: SimulatorInputs, dt: float) -> SimulatorOutput:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NoReturn, Self
 
 import numpy as np
@@ -63,6 +64,7 @@ class PropulsionPlant:
             np.array(tables.propellers, order="C"),
             np.array(tables.ventilation, order="C"),
         )
+        self._drives = self._tables[0][:, [columns.TORQUE_MAX, columns.AZIMUTH_RATE_MAX]]  # without failures
         self._state: FloatArray = np.array(tables.start, order="C")
         self._shape = (len(self._names),)
         self._inputs: FloatArray = np.zeros((columns.INPUTS, *self._shape))  # in force
@@ -84,6 +86,30 @@ class PropulsionPlant:
     def state(self) -> FloatArray:
         """State, shape (n, ``columns.STATE``): a view that the next step changes."""
         return self._state
+
+    def fail(self, motors: Sequence[bool], azimuths: Sequence[bool]) -> None:
+        """Say which thrusters have failed from the next step on; all others work, those repaired included.
+
+        A motor that has failed gives no torque: its propeller turns as the water makes it. An azimuth motor that has
+        failed gives no rate: it comes to rest within its own time constant, and the thruster stays where it points.
+
+        Parameters
+        ----------
+        motors, azimuths
+            One element a thruster; empty for none. A thruster that does not turn has no azimuth motor to fail.
+
+        Raises
+        ------
+        InputError
+            If the number of elements is another; nothing has changed then.
+        """
+        n = len(self._names)
+        for name, failed in (("motors", motors), ("azimuths", azimuths)):
+            if len(failed) not in (0, n):
+                raise InputError(f"{name}: expected {n} elements or none, found {len(failed)}")
+        for j, (column, failed) in enumerate(((columns.TORQUE_MAX, motors), (columns.AZIMUTH_RATE_MAX, azimuths))):
+            works = np.ones(n) if not len(failed) else 1.0 - np.array(failed, dtype=np.float64)
+            self.parameters[:, column] = works * self._drives[:, j]
 
     def flood(self, advance_speed: FloatArray, submergence: FloatArray) -> None:
         """Say what the water at the propellers is now, before the first step; otherwise the first step tells.

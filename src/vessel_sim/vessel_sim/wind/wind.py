@@ -9,7 +9,7 @@ import numpy as np
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from vessel_sim.hull import Triple
-from vessel_sim.settings import WindSettings, check_wind
+from vessel_sim.settings import WindSettings
 from vessel_sim.slow_variation import SlowVariation
 from vessel_sim.wind import npd
 from vessel_sim.wind.gusts import components
@@ -34,11 +34,6 @@ class Wind:
         The wind at the start.
     seed
         Of the run.
-
-    Raises
-    ------
-    InputError
-        If the wind is to blow on a vessel without ``wind_forces``.
     """
 
     def __init__(self, vessel: Vessel, settings: WindSettings, seed: int) -> None:
@@ -51,14 +46,7 @@ class Wind:
         self.apply(settings)
 
     def apply(self, settings: WindSettings) -> None:
-        """Let another wind blow from now on.
-
-        Raises
-        ------
-        InputError
-            If it cannot blow on this vessel; the wind before goes on.
-        """
-        check_wind(settings, self._vessel)
+        """Let another wind blow from now on; the vessel has ``wind_forces`` if it is to blow at all."""
         self._settings = settings
         self._mean = 0.0
         self._gusts = _STEADY
