@@ -28,9 +28,11 @@ class Rig:
     velocity: Array = field(default_factory=lambda: np.zeros(3))
     valid: bool = True
     achieved: Array = field(default_factory=lambda: np.zeros(3))
+    wind: Array | None = None  # newly measured at every step
 
     def step(self, dt: float = DT) -> ControllerOutput:
-        output = self.controller.step(ControllerInputs(self.position, self.velocity, self.achieved, self.valid), dt)
+        inputs = ControllerInputs(self.position, self.velocity, self.achieved, self.valid, self.wind)
+        output = self.controller.step(inputs, dt)
         self.achieved = output.tau_desired
         return output
 

@@ -24,7 +24,7 @@ from thrust_allocator.settings import AllocatorSettings, PowerSettings, SectorSe
 from thrust_allocator.singularity import gain_map, minimum_gain, scaled_configuration
 from thrust_allocator.singularity.settings import SingularitySettings
 from thruster_drivers.ventilation import VentilationMonitor
-from vessel_sim import Simulator, SimulatorInputs, WaveSettings
+from vessel_sim import Simulator, SimulatorInputs, SimulatorSettings, WaveSettings, WindSettings
 from vessel_sim.inflow import Inflow
 from vessel_sim.propulsion import PropulsionPlant
 from vessel_sim.waves import HullForm, Waves
@@ -90,12 +90,12 @@ def _propellers() -> None:
 def _simulation() -> None:
     _sea()
     vessel = load_vessel(_VESSEL)
-    simulator = Simulator(vessel)
+    simulator = Simulator(vessel, SimulatorSettings(wind=WindSettings(speed=1.0, gusts=True)))
     still = np.zeros(len(vessel.thrusters))
     # The second step begins where the first one ended.
     for _ in range(2):
         simulator.step(SimulatorInputs(still, still), vessel.simulation.time_step)
-    simulator.truth(), simulator.measure()
+    simulator.truth(), simulator.measure(), simulator.measure_wind()
     PropulsionPlant(vessel).step(still, still, None, still, still, vessel.simulation.time_step)
 
 
