@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from pathlib import Path as PathOnDisk
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from dp_msgs.msg import ControllerStatus
-from geometry_msgs.msg import PoseStamped, WrenchStamped
+from geometry_msgs.msg import PoseStamped, Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry, Path
 
 from dp_controller import Controller, ControllerInputs, ControllerSettings
@@ -48,6 +50,14 @@ def wrench(stamp: int, tau: Any, frame: str = BODY_FRAME) -> WrenchStamped:
     message.header.frame_id = frame
     message.header.stamp = from_nanoseconds(stamp)
     message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = (float(v) for v in tau)
+    return message
+
+
+def wind_at(k: int, ahead: float, starboard: float, frame: str = BODY_FRAME) -> Vector3Stamped:
+    message = Vector3Stamped()
+    message.header.frame_id = frame
+    message.header.stamp = from_nanoseconds(START + k * STEP)
+    message.vector.x, message.vector.y = ahead, starboard
     return message
 
 
@@ -176,6 +186,81 @@ def test_synchronous_node_waits_for_the_allocator(ring: Callable[..., Ring]) -> 
     ship.achieved.publish(wrench(START + STEP, [math.nan, 0.0, 0.0]))
     ship.bench.wait_for("tau_desired", 3)
     assert "tau_achieved: expected finite numbers" in ship.bench.diagnostics()["message"]
+
+
+def test_wind_is_fed_forward_as_in_the_core(ring: Callable[..., Ring]) -> None:
+    ship = ring(mode="setpoint", **{"wind_feedforward.enabled": True})
+    wind = ship.bench.publisher(Vector3Stamped, "wind")
+    winds = [(-2.0 - 0.1 * k, 0.5 * (-1) ** k) for k in range(6)]
+    settings = {"mode": "setpoint", "wind_feedforward": {"enabled": True}}
+    core = Controller(VESSEL, ControllerSettings.model_validate(settings))
+    wind.publish(wind_at(0, *winds[0]))
+    for k in range(5):
+        # The wind of the next odometry is there already, and is left for it.
+        wind.publish(wind_at(k + 1, *winds[k + 1]))
+        ship.bench.wait_until(lambda: ship.bench.node._wind.reaches(START + (k + 1) * STEP), "the wind")  # noqa: B023
+        demand, status = ship.sample(odometry(k))
+        output = core.step(ControllerInputs(np.zeros(3), np.zeros(3), None, True, np.array(winds[k])), 0.2)
+        assert list(status.wind_feedforward) == output.wind_feedforward.tolist()
+        assert vector(demand) == output.tau_desired.tolist()
+
+
+def test_synchronous_node_waits_for_the_wind_of_the_odometry(ring: Callable[..., Ring]) -> None:
+    ship = ring(mode="setpoint", synchronous=True, **{"wind_feedforward.enabled": True})
+    bench, room = ship.bench, ship.bench.node._room
+    ship.odometry.publish(odometry(0))
+    bench.wait_until(lambda: room.holds, "the odometry held")
+    assert "odometry waits for wind, which nobody publishes" in bench.diagnostics()["message"]
+    wind = bench.publisher(Vector3Stamped, "wind")
+    wind.publish(wind_at(-1, -5.0, 0.0))
+    bench.wait_until(lambda: len(bench.node._wind) == 1, "the wind before")
+    assert room.holds
+    wind.publish(wind_at(0, -2.0, 0.5))
+    bench.wait_for("controller_status")
+    expected = Controller(VESSEL, bench.node.settings).step(
+        ControllerInputs(np.zeros(3), np.zeros(3), None, True, np.array([-2.0, 0.5])), 0.2
+    )
+    assert list(ship.statuses[-1].wind_feedforward) == expected.wind_feedforward.tolist()
+    ship.achieved.publish(wrench(START, expected.tau_desired))
+    ship.answered(0)
+    # A wind that is refused is an answer too: the ring goes on, on the estimate so far.
+    ship.odometry.publish(odometry(1))
+    bench.wait_until(lambda: room.holds, "the next odometry held")
+    wind.publish(wind_at(1, math.nan, 0.5))
+    bench.wait_for("controller_status", 2)
+    assert list(ship.statuses[-1].wind_feedforward) == expected.wind_feedforward.tolist()
+    assert "wind: expected finite numbers" in bench.diagnostics()["last_refusal"]
+    ship.achieved.publish(wrench(START + STEP, ship.statuses[-1].wind_feedforward))
+    ship.answered(1)
+    # Switched off, it waits no longer.
+    ship.odometry.publish(odometry(2))
+    bench.wait_until(lambda: room.holds, "the third odometry held")
+    assert bench.set_parameters(wind_feedforward__enabled=False).successful
+    bench.wait_for("tau_desired", 3)
+
+
+def test_wind_is_heard_from_when_it_is_needed(ring: Callable[..., Ring]) -> None:
+    ship = ring(mode="setpoint")
+    names = [s.topic_name for s in ship.bench.node.subscriptions]
+    assert not any(name.endswith("/wind") for name in names)
+    assert ship.bench.set_parameters(wind_feedforward__enabled=True).successful
+    wind = ship.bench.publisher(Vector3Stamped, "wind")
+    wind.publish(wind_at(0, -2.0, 0.0, frame=MAP_FRAME))
+    ship.bench.wait_until(lambda: len(ship.bench.node._wind) == 1, "the wind")
+    assert "wind: expected frame 'base_link_frd', found 'map_ned'" in ship.bench.diagnostics()["last_refusal"]
+    for k in range(12):
+        _, status = ship.sample(odometry(k))
+    assert status.status == "wind_stale"
+
+
+def test_feedforward_without_wind_forces_is_refused(ring: Callable[..., Ring], tmp_path: PathOnDisk) -> None:
+    content = VESSEL.model_dump(mode="json", exclude={"wind_forces"}) | {"name": "bare"}
+    path_ = tmp_path / "bare.yaml"
+    path_.write_text(yaml.safe_dump(content), encoding="utf-8")
+    ship = ring(vessel=str(path_))
+    result = ship.bench.set_parameters(wind_feedforward__enabled=True)
+    assert not result.successful
+    assert "wind_feedforward.enabled: expected false, because vessel 'bare' has no section wind_forces" in result.reason
 
 
 def test_operator_is_answered_before_any_odometry(ring: Callable[..., Ring]) -> None:

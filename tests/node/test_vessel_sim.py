@@ -16,7 +16,7 @@ import rclpy
 import yaml
 from dp_msgs.msg import ActuatorSetpoint, ThrusterFeedback, Ventilation
 from dp_msgs.srv import Advance
-from geometry_msgs.msg import PoseWithCovarianceStamped, WrenchStamped
+from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
@@ -30,7 +30,7 @@ from marine_model.errors import InputError
 from marine_model.frames import quaternion_to_heading
 from support.thruster_rig import controllable_pitch_vessel
 from support.waiting import wait_until
-from vessel_sim import Simulator, SimulatorInputs, SimulatorSettings, WaveSettings
+from vessel_sim import CurrentSettings, Simulator, SimulatorInputs, SimulatorSettings, WaveSettings, WindSettings
 from vessel_sim.node import Phase, VesselSimNode
 
 VESSEL = load_vessel("cybership3")
@@ -52,12 +52,14 @@ class Drivers(Node):
         self.feedback: list[ThrusterFeedback] = []
         self.truth: list[Odometry] = []
         self.environment: list[WrenchStamped] = []
+        self.wind: list[Vector3Stamped] = []
         self.clock: list[int] = []
         self.publisher_ = self.create_publisher(ActuatorSetpoint, "actuator_setpoint", RING_PUBLISHER)
         self.create_subscription(PoseWithCovarianceStamped, "pose", self._on_pose, RING)
         self.create_subscription(ThrusterFeedback, "thruster_feedback", self._on_feedback, RING)
         self.create_subscription(Odometry, "truth", self.truth.append, RING)
         self.create_subscription(WrenchStamped, "environment_force", self.environment.append, RING)
+        self.create_subscription(Vector3Stamped, "wind", self.wind.append, RING)
         self.create_subscription(Clock, "/clock", lambda m: self.clock.append(to_nanoseconds(m.clock)), RING)
 
     def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
@@ -144,6 +146,7 @@ def graph(ros_domain_id: int) -> Iterator[Callable[..., Graph]]:
 
 LOCKSTEP = {"lockstep": True, "rate": 0.0, "hold": True}
 SEA = {"waves.amplitude": 0.03, "waves.period": 1.1, "waves.direction": 2.5, "seed": 4}
+AIR = {"wind.speed": 2.0, "wind.gusts": True, "wind.direction": 2.0, "current.speed": 0.1, "current.variation": 0.02}
 
 
 def stamps(messages: list[Any]) -> list[int]:
@@ -174,6 +177,7 @@ def content(drivers: Drivers) -> list[tuple[Any, ...]]:
         for m in drivers.truth
     ]
     rows += [(m.wrench.force.x, m.wrench.force.y, m.wrench.torque.z) for m in drivers.environment]
+    rows += [(m.vector.x, m.vector.y) for m in drivers.wind]
     return rows
 
 
@@ -183,14 +187,15 @@ def content(drivers: Drivers) -> list[tuple[Any, ...]]:
 def test_lockstep_publishes_every_stamp_once_and_is_bit_identical(graph: Callable[..., Graph]) -> None:
     runs = []
     for _ in range(2):
-        one = graph(**LOCKSTEP, **SEA)
+        one = graph(**LOCKSTEP, **SEA, **AIR)
         answer = one.advance(2.0)
         assert (answer.success, answer.message, answer.reached) == (True, "", 2.0)
         drivers = one.drivers
         clock = drivers.clock
         one.wait(lambda: len(clock) == 100, "the last clock arrived")  # noqa: B023 - called in this turn only
         assert stamps(drivers.poses) == list(range(0, 100 * STEP, CONTROL * STEP))
-        assert stamps(drivers.truth) == stamps(drivers.environment) == stamps(drivers.poses)
+        assert stamps(drivers.truth) == stamps(drivers.environment) == stamps(drivers.poses) == stamps(drivers.wind)
+        assert drivers.wind[0].header.frame_id == "base_link_frd"
         assert stamps(drivers.feedback) == list(range(0, 100 * STEP, STEP))
         assert drivers.clock == list(range(STEP, 101 * STEP, STEP))
         assert drivers.poses[0].header.frame_id == "map_ned"
@@ -200,9 +205,14 @@ def test_lockstep_publishes_every_stamp_once_and_is_bit_identical(graph: Callabl
 
 
 def test_lockstep_is_the_core_step_by_step(graph: Callable[..., Graph]) -> None:
-    one = graph(**LOCKSTEP, **SEA)
+    one = graph(**LOCKSTEP, **SEA, **AIR)
     one.advance(2.0)
-    settings = SimulatorSettings(waves=WaveSettings(amplitude=0.03, period=1.1, direction=2.5), seed=4)
+    settings = SimulatorSettings(
+        waves=WaveSettings(amplitude=0.03, period=1.1, direction=2.5),
+        wind=WindSettings(speed=2.0, gusts=True, direction=2.0),
+        current=CurrentSettings(speed=0.1, variation=0.02),
+        seed=4,
+    )
     core = Simulator(VESSEL, settings)
     for k in range(100):
         if k % CONTROL == 0:
@@ -218,7 +228,10 @@ def test_lockstep_is_the_core_step_by_step(graph: Callable[..., Graph]) -> None:
             position = one.drivers.truth[k // CONTROL].pose.pose.position
             assert [position.x, position.y] == total[:2].tolist()
             force = one.drivers.environment[k // CONTROL].wrench.force
-            assert [force.x, force.y] == (truth.wave_force + truth.current_force)[:2].tolist()
+            assert [force.x, force.y] == (truth.wave_force + truth.current_force + truth.wind_force)[:2].tolist()
+            vector, wind = one.drivers.wind[k // CONTROL].vector, core.measure_wind()
+            assert wind is not None
+            assert [vector.x, vector.y] == wind.tolist()
         feedback = core.output
         assert one.drivers.feedback[k].shaft_speed.tolist() == feedback.shaft_speed.tolist()
         assert one.drivers.feedback[k].power.tolist() == feedback.power.tolist()
@@ -539,3 +552,15 @@ def test_no_limit_without_lockstep_is_refused_at_start_up(ros_domain_id: int) ->
             VesselSimNode(parameter_overrides=[Parameter("rate", value=0.0)])
     finally:
         rclpy.try_shutdown()
+
+
+def test_without_wind_forces_there_is_no_topic_and_no_wind(graph: Callable[..., Graph], tmp_path: Path) -> None:
+    content = VESSEL.model_dump(mode="json", exclude={"wind_forces"}) | {"name": "bare"}
+    path = tmp_path / "bare.yaml"
+    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    one = graph(**LOCKSTEP, vessel=str(path))
+    one.advance(0.2)
+    assert one.drivers.count_publishers("wind") == 0
+    (result,) = one.sim.set_parameters([Parameter("wind.speed", value=1.0)])
+    assert not result.successful
+    assert "wind.speed: expected 0, because vessel 'bare' has no section wind_forces" in result.reason

@@ -1,4 +1,4 @@
-"""Lockstep in gusts and a varying current, with wind feed-forward switched on and off: equal to the loop without ROS."""
+"""Lockstep in gusts and a varying current, wind feed-forward switched on and off: equal to the loop without ROS."""
 
 from __future__ import annotations
 

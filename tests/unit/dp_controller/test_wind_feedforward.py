@@ -166,7 +166,7 @@ def test_an_axis_taken_over_from_the_joystick_keeps_its_demand() -> None:
     automatic = ship.step()
     np.testing.assert_allclose(automatic.tau_desired, manual.tau_desired, atol=1e-12)
     np.testing.assert_allclose(automatic.wind_feedforward, -force_of(WIND), rtol=1e-12)
-    np.testing.assert_allclose(automatic.integral, [1.0, -0.5, 0.1] + force_of(WIND), rtol=1e-12)
+    np.testing.assert_allclose(automatic.integral, np.add([1.0, -0.5, 0.1], force_of(WIND)), rtol=1e-12)
 
 
 def test_an_axis_that_was_off_fades_it_in() -> None:
