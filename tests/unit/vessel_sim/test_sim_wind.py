@@ -150,7 +150,7 @@ def test_gusts_leave_the_noise_of_other_sensors_alone() -> None:
         for _ in range(50):
             sim.step(STILL, H)
             sim.measure_wind()
-    noise = [sim.measure() - sim.truth().position - sim.truth().wave_position for sim in (calm, windy)]
+    noise = [np.array(sim.measure()) - sim.truth().position - sim.truth().wave_position for sim in (calm, windy)]
     # Sums of metres, in floating point.
     np.testing.assert_allclose(noise[0], noise[1], atol=1e-14)
 
