@@ -1,11 +1,15 @@
 # make help lists the targets. Choose another Python with: make PYTHON=python3.12 setup
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint bench lock clean distclean
+.PHONY: help setup demo test lint bench hydrodynamics lock clean distclean
 
 VENV := .venv/bin
 # Tests hand in wrong types on purpose, and strings where a choice is meant.
 TEST_TYPES := --allow-untyped-defs --allow-incomplete-defs --allow-untyped-calls --allow-any-generics \
 	--no-warn-return-any --no-warn-unused-ignores --disable-error-code arg-type --disable-error-code misc
+HYDRODYNAMICS := .venv-hydrodynamics
+VESSELS := cybership3
+LOCK_HYDRODYNAMICS := --quiet --upgrade --no-config --universal --python-version 3.11 --fork-strategy fewest \
+	--generate-hashes --group hydrodynamics --custom-compile-command "make lock" --output-file locks/hydrodynamics.txt
 SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh
 
 help: ## list the targets
@@ -30,11 +34,18 @@ bench: ## measure against the aims and peers; writes benchmarks/results.json
 	@$(SETUP) setup --bench
 	$(VENV)/python -m benchmarks
 
+hydrodynamics: setup ## compute motion and drift in waves of VESSELS anew, with capytaine; some minutes each
+	$(VENV)/uv venv --quiet --allow-existing --python $(VENV)/python $(HYDRODYNAMICS)
+	$(VENV)/uv pip install --quiet --require-hashes --python $(HYDRODYNAMICS) --requirement locks/hydrodynamics.txt
+	set -e; for vessel in $(VESSELS); do $(HYDRODYNAMICS)/bin/python scripts/hydrodynamics $$vessel; done
+
 lock: ## resolve the dependencies in pyproject.toml anew and write locks/
 	@$(SETUP) lock
+	$(VENV)/uv pip compile $(LOCK_HYDRODYNAMICS)
 
 clean: ## remove what the build and the tools made
 	@$(SETUP) clean
 
 distclean: ## also remove .venv and the download cache
 	@$(SETUP) distclean
+	@rm -rf $(HYDRODYNAMICS)

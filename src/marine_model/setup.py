@@ -6,7 +6,16 @@ setup(
     name=package_name,
     version="0.1.0",
     packages=find_packages(),
-    package_data={package_name: ["py.typed", "data/*.csv", "data/*.yaml", "propeller_files/*.yaml", "vessels/*.yaml"]},
+    package_data={
+        package_name: [
+            "py.typed",
+            "data/*.csv",
+            "data/*.yaml",
+            "propeller_files/*.yaml",
+            "vessels/*.yaml",
+            "wave_response/*.csv",
+        ]
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from marine_model.matrix_checks import require_positive_definite, require_symmetric
-from marine_model.schema import Matrix3, NonNegativeVector3, Positive, Section, Vector3
+from marine_model.schema import FieldError, Matrix3, NonNegativeVector3, Positive, Section, Vector3
 
 
 class Particulars(Section):
@@ -41,10 +41,24 @@ class Manoeuvring(Section):
 
 
 class WaveForces(Section):
-    """Mean second-order force in regular waves of amplitude a from relative direction b.
+    """What waves do to the hull: the box of its main dimensions, or a data file. One of the two is given.
 
+    Box: the mean second-order force in regular waves of amplitude a from relative direction b is
     X = c0 (rho g a^2 B / 2) cos b,  Y = c1 (rho g a^2 L / 2) sin b |sin b|,  N = c2 (rho g a^2 L B / 2) sin 2b,
     with b = 0 for waves that travel ahead along the body x-axis.
+
+    Data file: motion and drift of ``marine_model.wave_response``, the drift times ``drift_factor``.
     """
 
-    drift_coefficient: Vector3
+    drift_coefficient: Vector3 | None = None
+    response: Annotated[str, Field(min_length=1)] | None = None
+    drift_factor: Positive = 1.0
+
+    @model_validator(mode="after")
+    def _box_or_file(self) -> Self:
+        if (self.drift_coefficient is None) == (self.response is None):
+            found = "neither" if self.response is None else "both"
+            raise ValueError(f"expected either drift_coefficient or response, found {found}")
+        if self.response is None and self.drift_factor != 1.0:
+            raise FieldError(("drift_factor",), "expected none beside drift_coefficient, found one")
+        return self

@@ -10,6 +10,7 @@ from marine_model.errors import DocumentError, UnknownNameError
 from marine_model.named_files import file_names, named_file
 from marine_model.propellers.sections import DATA_FIELDS
 from marine_model.vessel import Vessel
+from marine_model.wave_response.load import FOLDER, wave_response_path
 from marine_model.yaml_document import FieldPath, YamlDocument, read_yaml, validate
 
 VESSEL_FOLDER = Path(__file__).parent / "vessels"
@@ -37,6 +38,7 @@ def load_vessel(name_or_path: str | Path) -> Vessel:
         If the file cannot be read or breaks the schema: one line per problem, with file, line and field.
     """
     document = with_propeller_data(_merged(vessel_path(name_or_path), ()))
+    _find_wave_response(document)
     return validate(document.content, Vessel, document)
 
 
@@ -62,6 +64,26 @@ def _merged(path: Path, chain: tuple[Path, ...]) -> YamlDocument:
     except UnknownNameError as error:
         raise UnknownNameError(document.problem(here, str(error))) from error
     return _Overlay(_merged(base_path, (*chain, path.resolve())), document).document()
+
+
+def _find_wave_response(document: YamlDocument) -> None:
+    """Put the path of a data file that is named by path in its place: such a path starts from the file that has it.
+
+    Raises DocumentError if there is no such file. What is in it is read when it is asked for.
+    """
+    forces = document.content.get("wave_forces")
+    if not isinstance(forces, dict):
+        return
+    name = forces.get("response")
+    if not isinstance(name, str) or not name:
+        return
+    place = ("wave_forces", "response")
+    try:
+        path = wave_response_path(name, document.files.get(place, document.path).parent)
+    except UnknownNameError as error:
+        raise DocumentError(document.problem(place, str(error))) from error
+    if path.parent != FOLDER:
+        forces["response"] = str(path.resolve())
 
 
 def with_propeller_data(document: YamlDocument) -> YamlDocument:

@@ -17,6 +17,7 @@ from marine_model.schema import FieldError, Positive
 from marine_model.sector import Sector
 from marine_model.thruster import AzimuthThruster
 from marine_model.thruster_configuration import cartesian_configuration
+from marine_model.wave_response import WaveResponse, load_wave_response
 from marine_model.wind import WindForces
 
 
@@ -112,6 +113,18 @@ class Vessel(Propulsion):
     def sectors(self) -> tuple[tuple[Sector, ...], ...]:
         """Forbidden and reduced sectors of every thruster; none for a tunnel thruster."""
         return tuple(t.azimuth.sectors if isinstance(t, AzimuthThruster) else () for t in self.thrusters)
+
+    @cached_property
+    def wave_response(self) -> WaveResponse | None:
+        """Response of the hull to waves, read when first asked for; None where ``wave_forces`` describes a box.
+
+        Raises
+        ------
+        DocumentError
+            If the data file is missing or is not one.
+        """
+        name = self.wave_forces.response
+        return None if name is None else load_wave_response(name)
 
     @cached_property
     def shaft_depth(self) -> FloatArray:

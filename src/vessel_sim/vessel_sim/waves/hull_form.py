@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from marine_model.compiled import compiled
 from marine_model.constants import GRAVITY
+from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 from vessel_sim.waves.components import AMPLITUDE, COS_BETA, GROWTH, OMEGA, SIN_BETA, WAVE_NUMBER, phase
@@ -45,8 +46,10 @@ class HullForm:
 
     @classmethod
     def of(cls, vessel: Vessel) -> HullForm:
-        """Return the box of ``vessel``."""
+        """Return the box of ``vessel``. Raises InputError if its waves are given by a data file."""
         hull = vessel.hull
+        if vessel.wave_forces.drift_coefficient is None:
+            raise InputError("wave_forces: expected drift_coefficient, found a data file")
         c0, c1, c2 = vessel.wave_forces.drift_coefficient
         half = 0.5 * vessel.density * GRAVITY
         return cls(

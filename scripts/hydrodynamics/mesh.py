@@ -1,0 +1,74 @@
+"""Panels of a quarter of the hull and of the water surface inside it, mirrored twice."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import ceil
+
+import capytaine as cpt
+import numpy as np
+from scipy.optimize import brentq
+
+from hydrodynamics.hull_form import Array, HullForm
+
+
+def panel_counts(form: HullForm, panel: float) -> tuple[int, int, int]:
+    """Return how many panels of side ``panel`` (m): along a quarter, round half a section, across half the lid."""
+    along = ceil(0.5 * (form.length + 0.6 * form.beam) / panel)
+    return along, ceil((0.5 * form.beam + form.draught) / panel), ceil(0.5 * form.beam / panel)
+
+
+def hull_and_lid(form: HullForm, panel: float) -> tuple[cpt.ReflectionSymmetricMesh, cpt.ReflectionSymmetricMesh]:
+    """Return the panels of the wetted hull and of its inner water surface.
+
+    The lid keeps the solution unique at the frequencies at which water inside the hull would slosh.
+    """
+    along, around, across = panel_counts(form, panel)
+    stations = form.stations(along)
+    sections = [form.section(float(xi), around) for xi in stations]
+    x = 0.5 * form.length * stations
+    hull = np.array([[(x[i], y, z) for y, z in zip(*section, strict=True)] for i, section in enumerate(sections)])
+    breadth = np.linspace(1.0, 0.0, across + 1)
+    lid = np.array([[(x[i], half * s, 0.0) for s in breadth] for i, half in enumerate(form.half_breadth(stations))])
+    return _mirrored(hull, "hull"), _mirrored(lid, "lid")
+
+
+def fitted(form: HullForm, panel: float, volume: float) -> HullForm:
+    """Return the form with ``fining`` such that its panels enclose ``volume`` (m^3)."""
+
+    def excess(fining: float) -> float:
+        return enclosed(hull_and_lid(replace(form, fining=fining), panel)[0]) - volume
+
+    span = 0.2 * max(form.fining, 0.1)
+    return replace(form, fining=float(brentq(excess, form.fining - span, form.fining + span, xtol=1e-13)))
+
+
+def enclosed(mesh: cpt.ReflectionSymmetricMesh) -> float:
+    """Return the volume between panels and calm surface, m^3."""
+    return float(np.sum(mesh.faces_centers[:, 2] * mesh.faces_normals[:, 2] * mesh.faces_areas))
+
+
+def _mirrored(grid: Array, name: str) -> cpt.ReflectionSymmetricMesh:
+    """Return the panels of a grid of points, shape (rows, columns, 3), in the quarter ahead and to port."""
+    rows, columns = grid.shape[:2]
+    index = np.arange(rows * columns).reshape(rows, columns)
+    # In this order the normals point out of the hull, and down from the lid.
+    faces = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
+    points = grid.reshape(-1, 3)
+    # Where a side has no length the panel is a triangle, which capytaine knows by a vertex that comes twice.
+    _, first, same = np.unique(points.round(12), axis=0, return_index=True, return_inverse=True)
+    faces = first[same.ravel()][faces]
+    repeats = np.array([len(set(face)) for face in faces])
+    faces = np.array([_triangle_last(face) for face in faces[repeats > 2]])
+    quarter = cpt.Mesh(vertices=points, faces=faces, name=name)
+    half = cpt.ReflectionSymmetricMesh(quarter, plane="xOz")
+    return cpt.ReflectionSymmetricMesh(half, plane="yOz")
+
+
+def _triangle_last(face: Array) -> list[int]:
+    """Turn a panel of three different vertices so that the repeated one is first and last."""
+    turned = [int(v) for v in face]
+    if len(set(turned)) == 3:
+        while turned[0] != turned[-1]:
+            turned = turned[1:] + turned[:1]
+    return turned
