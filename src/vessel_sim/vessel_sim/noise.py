@@ -42,6 +42,15 @@ class NoiseStream:
         return self._normal[i], self._uniform[i]
 
 
+# Streams of one seed after those of ``noise_streams``, which are the first.
+SEA_STREAM = 2
+
+
+def stream(seed: int, which: int) -> np.random.SeedSequence:
+    """Return stream ``which`` of ``seed``: as the child of that number, independent of all others."""
+    return np.random.SeedSequence(seed, spawn_key=(which,))
+
+
 def noise_streams(seed: int, *widths: int) -> tuple[NoiseStream, ...]:
     """Return independent streams, one for each of ``widths``."""
     children = np.random.SeedSequence(seed).spawn(len(widths))
