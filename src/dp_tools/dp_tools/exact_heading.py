@@ -6,24 +6,22 @@ import math
 
 from marine_model.frames import heading_to_quaternion, quaternion_to_heading
 
-# A heading that has been a quaternion before is at most this many units in its last place from the one it came from:
-# sine, cosine, three products and arctangent are each within about one, and doubled where half angles are.
-_UNITS = 16
+# Units in the last place that sine, cosine, the reader's products and its arctangent can add up to.
+_UNITS = 4
 
 
 def exact_quaternion(heading: float) -> tuple[float, float]:
-    """Return (z, w) of the quaternion by which ``heading`` (rad, in [-pi, pi]) was sent.
+    """Return (z, w) of a quaternion that is read as ``heading`` (rad, in [-pi, pi]).
 
-    Half the angle and back is not exact: of the headings next to this one, the quaternion of some one is read as
-    ``heading``. A heading that has never been a quaternion may have none; then that of ``heading`` itself is as near as
-    there is.
+    To a quaternion and back is not exact, and which neighbour comes out depends on the turns that were in the heading
+    when it was sent. So the quaternions within some units in the last place of (sin, cos) of half the heading are tried,
+    the nearest first. If none of them is read as ``heading``, that of ``heading`` itself is as near as there is.
     """
-    up = down = heading
-    for _ in range(_UNITS):
-        for near in (up, down):
-            _, _, z, w = heading_to_quaternion(near)
-            if quaternion_to_heading(0.0, 0.0, z, w) == heading:
-                return z, w
-        up, down = math.nextafter(up, math.inf), math.nextafter(down, -math.inf)
     _, _, z, w = heading_to_quaternion(heading)
+    for distance in range(2 * _UNITS + 1):
+        for i in range(-distance, distance + 1):
+            for j in {distance - abs(i), abs(i) - distance}:
+                near = z + i * math.ulp(z), w + j * math.ulp(w)
+                if quaternion_to_heading(0.0, 0.0, *near) == heading:
+                    return near
     return z, w
