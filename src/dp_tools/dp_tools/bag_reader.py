@@ -15,8 +15,8 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.records import Chunk, Message
-from mcap.summary import Summary
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
+from mcap.summary import Summary
 from numpy.typing import NDArray
 from rosbags.typesys import TypesysError
 from rosbags.typesys.store import Typestore
@@ -25,8 +25,8 @@ from dp_tools.cdr.bulk import Batch, batches
 from dp_tools.cdr.layout import LayoutError
 from dp_tools.cdr.types import types_of
 from dp_tools.recorder.attachments import SCENARIO_ATTACHMENT, VESSEL_ATTACHMENT
-from dp_tools.run_data import WIDTHS, Labels, RunData, RunInfo, Series
 from dp_tools.run_bag import RUN_RECORD
+from dp_tools.run_data import WIDTHS, Labels, RunData, RunInfo, Series
 from dp_tools.run_topics import TOPICS, RunTopic
 from dp_tools.scenario import Scenario, load_scenario
 from dp_tools.versions import VERSIONS_RECORD
@@ -213,7 +213,7 @@ def _headings(rows: NDArray[Any], path: str) -> list[float]:
 
 
 def _stale(found: list[Batch], count: int) -> NDArray[np.bool_]:
-    """Return which setpoints are the farewell of drivers that are being stopped: what they had answered was in force."""
+    """Return which setpoints are the farewell of drivers that are being stopped: what they answered was in force."""
     stamps = np.empty(count, dtype=np.int64)
     stale = np.zeros(count, dtype=np.bool_)
     for batch in found:

@@ -14,8 +14,8 @@ def exact_quaternion(heading: float) -> tuple[float, float]:
     """Return (z, w) of a quaternion that is read as ``heading`` (rad, in [-pi, pi]).
 
     To a quaternion and back is not exact, and which neighbour comes out depends on the turns that were in the heading
-    when it was sent. So the quaternions within some units in the last place of (sin, cos) of half the heading are tried,
-    the nearest first. If none of them is read as ``heading``, that of ``heading`` itself is as near as there is.
+    when it was sent. So the quaternions within some units in the last place of (sin, cos) of half the heading are
+    tried, the nearest first. If none of them is read as ``heading``, that of ``heading`` itself is as near as there is.
     """
     _, _, z, w = heading_to_quaternion(heading)
     for distance in range(2 * _UNITS + 1):

@@ -137,7 +137,9 @@ TOPICS: tuple[RunTopic, ...] = (
         {"wave_frequency_position": ("wave_position", None), "bias": ("bias", None)},
         words={"status": "observer_status"},
     ),
-    RunTopic("tau_desired", "geometry_msgs/msg/WrenchStamped", BODY_FRAME, _wrench("tau_desired"), constants=_WRENCH_REST),
+    RunTopic(
+        "tau_desired", "geometry_msgs/msg/WrenchStamped", BODY_FRAME, _wrench("tau_desired"), constants=_WRENCH_REST
+    ),
     RunTopic(
         "controller_status",
         "dp_msgs/msg/ControllerStatus",
