@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 
 from dp_tools.figures import FigureSpec
 
@@ -65,3 +66,14 @@ def _limit(spec: FigureSpec, value: float) -> str:
     """Return a limit as it was given: 0.05 N, not 0.05000 N."""
     size, space, unit = with_unit(value, spec.unit, 4).partition(" ")
     return (size.rstrip("0").rstrip(".") if "." in size and "e" not in size else size) + space + unit
+
+
+def printed(spec: FigureSpec, value: float) -> str:
+    """Return a number of the thesis with the digits that it was written with."""
+    exact = Decimal(repr(value))
+    sign = ""
+    if spec.shown != "quantity":
+        exact, sign = 100 * exact, "+" if spec.shown == "change" and value > 0.0 else ""
+    text = f"{exact.normalize():f}"
+    unit = {"quantity": "" if spec.unit == "1" else f" {spec.unit}"}.get(spec.shown, " %")
+    return f"{sign}{text}{unit}".replace("-", "−")

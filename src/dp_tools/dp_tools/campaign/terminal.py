@@ -1,0 +1,40 @@
+"""The table of all runs in the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.table import Table
+from rich.text import Text
+
+from dp_tools.campaign.index import Entry
+
+_STYLES = {True: "green", False: "bold red", None: ""}
+
+
+def figure_table(entries: Sequence[Entry]) -> Table:
+    """Return run, figure, thesis, ours, interval and verdict of every figure."""
+    table = Table(title="Figures of merit", title_justify="left")
+    for name in ("run", "figure"):
+        table.add_column(name, overflow="fold")
+    for name in ("thesis", "ours", "95 % interval"):
+        table.add_column(name, justify="right")
+    table.add_column("verdict")
+    for entry in entries:
+        for i, line in enumerate(entry.lines()):
+            cells = [entry.summary.run if i == 0 else "", line.title, line.thesis, line.ours, line.interval]
+            table.add_row(*map(Text, cells), Text(line.verdict, _STYLES[line.good]))
+        table.add_section()
+    return table
+
+
+def run_table(entries: Sequence[Entry]) -> Table:
+    """Return who sailed every run, its fingerprint, and how far graph and in process are apart if that is known."""
+    compared = any(entry.summary.apart is not None for entry in entries)
+    table = Table("run", "sailed", "fingerprint", *(["graph from in process"] if compared else []))
+    for entry in entries:
+        cells = [Text(entry.summary.run), Text(entry.facts), Text(entry.fingerprint)]
+        if compared:
+            cells.append(Text(entry.apart, _STYLES[entry.agrees]))
+        table.add_row(*cells)
+    return table
