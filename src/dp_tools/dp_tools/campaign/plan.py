@@ -70,7 +70,9 @@ def plan(
             raise InputError(f"{what}: expected every one once, found {', '.join(twice)} more than once")
     for one in plans:
         if RunFolder(one.folder).bag.exists() and not overwrite:
-            raise FolderError(f"{RunFolder(one.folder).bag}: holds a recording; choose another --output, or --overwrite it")
+            raise FolderError(
+                f"{RunFolder(one.folder).bag}: holds a recording; choose another --output, or --overwrite it"
+            )
         make_writable(one.folder)
     return tuple(plans)
 
