@@ -69,10 +69,9 @@ def plan(
         if twice:
             raise InputError(f"{what}: expected every one once, found {', '.join(twice)} more than once")
     for one in plans:
-        if RunFolder(one.folder).bag.exists() and not overwrite:
-            raise FolderError(
-                f"{RunFolder(one.folder).bag}: holds a recording; choose another --output, or --overwrite it"
-            )
+        bag = RunFolder(one.folder).bag
+        if bag.exists() and not overwrite:
+            raise FolderError(f"{bag}: holds a recording; choose another --output, or --overwrite it")
         make_writable(one.folder)
     return tuple(plans)
 

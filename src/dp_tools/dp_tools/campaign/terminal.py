@@ -4,12 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from dp_tools.campaign.index import Entry
 
+# Columns of a table in a file or a pipe, which have no width of their own.
+_WIDTH_OF_A_FILE = 160
 _STYLES = {True: "green", False: "bold red", None: ""}
+
+
+def print_tables(entries: Sequence[Entry]) -> None:
+    """Print both tables."""
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=_WIDTH_OF_A_FILE)
+    console.print(figure_table(entries))
+    console.print(run_table(entries))
 
 
 def figure_table(entries: Sequence[Entry]) -> Table:

@@ -120,7 +120,7 @@ def _start() -> _Worker:
 
 
 def _stop(workers: Sequence[_Worker]) -> None:
-    """End all processes: the idle ones end by themselves, the others are in the middle of what nobody wants any more."""
+    """End all processes: idle ones end by themselves, the others are in the middle of what nobody wants any more."""
     for worker in workers:
         if worker.order is not None:
             worker.process.terminate()

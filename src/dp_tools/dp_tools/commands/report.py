@@ -54,13 +54,12 @@ def index_and_tell(paths: Sequence[Path], folder: Path) -> None:
     """Write the table of all runs, print it, and say where it is."""
     from dp_tools.campaign.index import INDEX_DATA_NAME, find_entries
     from dp_tools.campaign.page import write_index
-    from dp_tools.campaign.terminal import figure_table, run_table
+    from dp_tools.campaign.terminal import print_tables
 
     with console.status("reading runs"):
         entries = find_entries(paths, folder.absolute())
         page = write_index(folder.absolute(), entries)
-    console.print(figure_table(entries))
-    console.print(run_table(entries))
+    print_tables(entries)
     console.print(f"index   {page}", soft_wrap=True)
     console.print(f"data    {page.parent / INDEX_DATA_NAME}", soft_wrap=True)
 

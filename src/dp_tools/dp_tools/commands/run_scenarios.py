@@ -57,8 +57,8 @@ def run(
     """Sail scenarios and judge every figure; one table of all runs in the end.
 
     The lockstep graph sails them one after the other; --inprocess sails several at once. The first seed of a scenario
-    leaves its recording and report in FOLDER/<scenario>, the others their figures only. Exit code 0 if every run came to
-    its end, whatever the verdicts; 1 if one did not (the others go on); 130 if Ctrl-C or SIGTERM cut them short.
+    leaves its recording and report in FOLDER/<scenario>, the others their figures only. Exit code 0 if every run came
+    to its end, whatever the verdicts; 1 if one did not (the others go on); 130 if Ctrl-C or SIGTERM cut them short.
     """
     if in_process and (separate or compare):
         raise typer.BadParameter("--separate and --compare are about the graph, not --inprocess")
@@ -96,15 +96,14 @@ def _seeds(text: str) -> tuple[int, ...]:
 
 def _tell(campaign: Campaign, output: Path, wall: float) -> None:
     from dp_tools.campaign.page import write_index
-    from dp_tools.campaign.terminal import figure_table, run_table
+    from dp_tools.campaign.terminal import print_tables
 
     folder = output.absolute()
     entries = find_entries([folder], folder)
     page = write_index(folder, entries)
     sailed = {one.scenario.name for one in campaign.plans}
     shown = [entry for entry in entries if entry.summary.name in sailed]
-    console.print(figure_table(shown))
-    console.print(run_table(shown))
+    print_tables(shown)
     for name, failures in campaign.failures.items():
         for seed, why in failures:
             error_console.print(f"{name}, seed {seed}: {why}", markup=False, highlight=False, soft_wrap=True)
