@@ -88,7 +88,7 @@ _POSE_REST = {
     f"pose.{part}": 0.0 for part in ("pose.position.z", "pose.orientation.x", "pose.orientation.y", "covariance")
 }
 _TWIST_REST = {f"twist.{part}": 0.0 for part in ("twist.linear.z", "twist.angular.x", "twist.angular.y", "covariance")}
-_GAINS = ("minimum_gain", "minimum_gain_both_ways", "minimum_gain_free")
+_IF_ASKED = ("performance_measure", "minimum_gain", "minimum_gain_both_ways", "minimum_gain_free")
 
 # In the order in which they travel.
 TOPICS: tuple[RunTopic, ...] = (
@@ -107,6 +107,13 @@ TOPICS: tuple[RunTopic, ...] = (
         BODY_FRAME,
         {name: (f"truth_{name}", None) for name in PROPULSION_TRUTH},
         by_thruster=True,
+    ),
+    RunTopic(
+        "wind",
+        "geometry_msgs/msg/Vector3Stamped",
+        BODY_FRAME,
+        {"vector.x": ("wind", 0), "vector.y": ("wind", 1)},
+        constants={"vector.z": 0.0},
     ),
     RunTopic(
         "pose",
@@ -150,6 +157,7 @@ TOPICS: tuple[RunTopic, ...] = (
             "proportional",
             "integral",
             "derivative",
+            "wind_feedforward",
             "joystick",
             "transfer",
         ),
@@ -171,12 +179,12 @@ TOPICS: tuple[RunTopic, ...] = (
         "dp_msgs/msg/AllocationStatus",
         BODY_FRAME,
         {
-            **_whole("slack", "torque_loss", *_GAINS, "sub_problem", "rotating", "crossing"),
+            **_whole("slack", "torque_loss", *_IF_ASKED, "sub_problem", "rotating", "crossing"),
             "cost": ("allocation_cost", None),
         },
         words={"status": "allocation_status", "azimuth_mode": "azimuth_mode"},
         only_if={"torque_loss": "antispin"},
-        only_finite=frozenset((*_GAINS, "crossing")),
+        only_finite=frozenset((*_IF_ASKED, "crossing")),
         absent={"torque_loss": 1.0},
     ),
     RunTopic(
