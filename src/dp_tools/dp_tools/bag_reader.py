@@ -169,7 +169,7 @@ class _Collector:
             values = self._values(topic, name, rows)
             if values is None:
                 continue
-            there = np.ones(len(rows), dtype=np.bool_)
+            there: NDArray[np.bool_] = np.ones(len(rows), dtype=np.bool_)
             if name in topic.only_finite:
                 there = np.isfinite(values).all(axis=1)
             if name in topic.only_if:

@@ -64,8 +64,8 @@ def plan(
         scenario = load_scenario(file, vessel)
         own = tuple(seeds) or tuple(range(scenario.seed, scenario.seed + repeat))
         plans.append(RunPlan(scenario, own, output / scenario.name))
-    for what, found in (("scenario", [one.scenario.name for one in plans]), ("seed", list(seeds))):
-        twice = sorted({str(one) for one in found if found.count(one) > 1})
+    for what, found in (("scenario", [one.scenario.name for one in plans]), ("seed", list(map(str, seeds)))):
+        twice = sorted({one for one in found if found.count(one) > 1})
         if twice:
             raise InputError(f"{what}: expected every one once, found {', '.join(twice)} more than once")
     for one in plans:

@@ -65,7 +65,7 @@ def batches(types: Typestore, kind: str, messages: Sequence[bytes], texts: Seque
     sizes = np.fromiter(map(len, messages), dtype=np.intp, count=len(messages))
     for size in np.unique(sizes):
         rest = np.flatnonzero(sizes == size)
-        matrix = np.frombuffer(b"".join([messages[i] for i in rest]), dtype=np.uint8).reshape(-1, size)
+        matrix = np.frombuffer(b"".join([messages[i] for i in rest.tolist()]), dtype=np.uint8).reshape(-1, size)
         while len(rest):
             layout = layout_found(types, kind, matrix[0].tobytes())
             places = layout.shared_bytes(texts)

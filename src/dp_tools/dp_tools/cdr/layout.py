@@ -98,7 +98,7 @@ class _Builder:
         self._message(kind, "")
         size = len(self._template)
         form = np.dtype(
-            {"names": self._names, "formats": self._formats, "offsets": self._offsets, "itemsize": size}  # type: ignore[call-overload]
+            {"names": self._names, "formats": self._formats, "offsets": self._offsets, "itemsize": size}
         )
         return Layout(form, bytes(self._template), self._texts, self._spans)
 
@@ -109,8 +109,8 @@ class _Builder:
         return len(self._template)
 
     def _message(self, kind: str, prefix: str) -> None:
-        fields = self._types.fielddefs[kind][1]
-        for name, (node, detail) in fields:
+        detail: Any  # what it is depends on the node
+        for name, (node, detail) in self._types.fielddefs[kind][1]:
             path = prefix + name
             if node is Nodetype.NAME:
                 self._message(detail, f"{path}.")
