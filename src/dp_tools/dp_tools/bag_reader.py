@@ -169,12 +169,12 @@ class _Collector:
             values = self._values(topic, name, rows)
             if values is None:
                 continue
-            there: NDArray[np.bool_] = np.ones(len(rows), dtype=np.bool_)
+            there = np.ones(len(rows), dtype=np.bool_)
             if name in topic.only_finite:
-                there = np.isfinite(values).all(axis=1)
+                there &= np.isfinite(values).all(axis=1)
             if name in topic.only_if:
                 flag = topic.only_if[name]
-                there = rows[flag] if flag in (rows.dtype.names or ()) else ~there
+                there &= rows[flag] if flag in (rows.dtype.names or ()) else False
             if there.any():
                 self.rows.setdefault(name, _Rows()).add(index[there], stamps[there], values[there])
 

@@ -156,7 +156,7 @@ def _topics(types: Any, run: RunData, vessel: Vessel) -> Iterator[_Messages]:
 def _messages(types: Any, topic: RunTopic, run: RunData, vessel: Vessel, stamps: Stamps) -> list[bytes]:
     """Return the messages of ``topic`` at ``stamps``, layout by layout."""
     columns = {name: _at(run[name], stamps) for name in topic.series if name in run}
-    present = {name: np.isfinite(values).any(axis=1) for name, values in columns.items()}
+    present = {name: np.asarray(np.isfinite(values).any(axis=1)) for name, values in columns.items()}
     words = {label: _word_numbers(run, label, stamps) for label in topic.words.values()}
     own = _own_fields(topic, run, vessel, stamps)
     keys = np.column_stack([np.zeros(len(stamps), dtype=np.intp), *words.values(), *present.values()])
@@ -238,7 +238,7 @@ def _own_fields(topic: RunTopic, run: RunData, vessel: Vessel, stamps: Stamps) -
 
 def _pose(vessel: Vessel, position: FloatArray) -> tuple[dict[str, FloatArray], FloatArray]:
     """Return what a pose message says; a lost one is the last one, marked by covariance[0] = -1."""
-    fix: NDArray[np.bool_] = np.isfinite(position).all(axis=1)
+    fix = np.asarray(np.isfinite(position).all(axis=1))
     newest = np.maximum.accumulate(np.where(fix, np.arange(len(fix)), -1))
     held = np.where((newest >= 0)[:, None], position[np.maximum(newest, 0)], 0.0)
     noise = vessel.measurement
