@@ -30,7 +30,7 @@ pytestmark = pytest.mark.timeout(300)
 
 FIGURES: list[dict[str, Any]] = [
     {"name": "power", "kind": "mean_power", "title": "Mean power", "window": "end", "at_least": 0.001},
-    {"name": "printed", "kind": "mean_power", "title": "Printed power", "window": "end", "thesis": 1e6, "reason": "made up"},
+    {"name": "printed", "kind": "mean_power", "title": "Printed", "window": "end", "thesis": 1e6, "reason": "made up"},
     {"name": "silent", "kind": "mean_power", "title": "No reason", "window": "end", "thesis": 1e6},
     {"name": "never", "kind": "limit_violation_count", "title": "Broken limits", "at_most": 0},
 ]  # fmt: skip
@@ -47,8 +47,8 @@ def sailed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, int, str]:
     """Two scenarios, three seeds, two processes; one more that cannot be sailed to its end."""
     folder = tmp_path_factory.mktemp("campaign")
     # Detection is not in this vessel: known only when anti-spin first asks for it.
-    broken = _write(folder, "broken", events=[
-        {"at": 4.0, "parameters": {"thrust_allocator": {"antispin.enabled": True}}}], vessel=_blind(folder))  # fmt: skip
+    asks = {"at": 4.0, "parameters": {"thrust_allocator": {"antispin.enabled": True}}}
+    broken = _write(folder, "broken", events=[asks], vessel=_blind(folder))
     files = [_write(folder, "first"), _write(folder, "second", duration=10.0), broken]
     code, output = dp(
         *("scenario", "run", *files, "--inprocess", "--repeat", "3", "--jobs", "2", "--output", folder / "runs")

@@ -27,7 +27,7 @@ from marine_model.frames import heading_to_quaternion, quaternion_to_heading
 from marine_model.guards import FloatArray
 from support.synthetic_run import synthetic_run
 
-# Lost poses, headings beyond half a turn, words that change, sectors and anti-spin that come and go, each kind of input.
+# Lost poses, headings beyond half a turn, words that change, sectors and anti-spin that come and go, every input.
 TRIAL = """\
 name: trial
 title: Trial

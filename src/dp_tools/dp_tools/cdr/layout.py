@@ -97,9 +97,7 @@ class _Builder:
     def layout(self, kind: str) -> Layout:
         self._message(kind, "")
         size = len(self._template)
-        form = np.dtype(
-            {"names": self._names, "formats": self._formats, "offsets": self._offsets, "itemsize": size}
-        )
+        form = np.dtype({"names": self._names, "formats": self._formats, "offsets": self._offsets, "itemsize": size})
         return Layout(form, bytes(self._template), self._texts, self._spans)
 
     def _align(self, size: int) -> int:
