@@ -12,7 +12,8 @@ from benchmarks.plan import Plan
 from benchmarks.result import Aim, Result
 from dp_tools.graph_run import GraphRun
 from dp_tools.processes import Child
-from dp_tools.run_files import Pace, RunFolder
+from dp_tools.run_files import Pace
+from dp_tools.run_folder import RunFolder
 from marine_model import load_vessel
 from marine_model.errors import DpError
 

@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
+import json
+import struct
 import tempfile
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
 from mcap.exceptions import McapError
-from mcap.reader import McapReader, make_reader
-from mcap_ros2.decoder import DecoderFactory
+from mcap.opcode import Opcode
+from mcap.reader import make_reader
+from mcap.records import Chunk, Message
+from mcap.stream_reader import StreamReader, get_chunk_data_stream
+from mcap.summary import Summary
+from numpy.typing import NDArray
+from rosbags.typesys import TypesysError
+from rosbags.typesys.store import Typestore
 
-from dp_tools.run_data import PROPULSION_TRUTH, WIDTHS, Labels, RunData, RunInfo, Series
+from dp_tools.cdr.bulk import Batch, batches
+from dp_tools.cdr.layout import LayoutError
+from dp_tools.cdr.types import types_of
+from dp_tools.recorder.attachments import SCENARIO_ATTACHMENT, VESSEL_ATTACHMENT
+from dp_tools.run_bag import RUN_RECORD
+from dp_tools.run_data import WIDTHS, Labels, RunData, RunInfo, Series
+from dp_tools.run_topics import TOPICS, RunTopic
 from dp_tools.scenario import Scenario, load_scenario
 from dp_tools.versions import VERSIONS_RECORD
 from marine_model import Vessel, load_vessel
@@ -21,35 +35,17 @@ from marine_model.errors import DpError, UnknownNameError
 from marine_model.frames import quaternion_to_heading
 from marine_model.guards import FloatArray
 
-VESSEL_ATTACHMENT = "vessel.yaml"
-SCENARIO_ATTACHMENT = "scenario.yaml"
-
 _NANOSECONDS = 1_000_000_000
 # Simulated time begins at 0. A stamp beyond this is wall-clock time, which is shown from the start of the recording.
 _LONGEST_RUN_NS = 10_000_000 * _NANOSECONDS
+# Channel, sequence, log time, publish time; the message follows.
+_MESSAGE_HEAD = struct.Struct("<HIQQ")
+_RECORD_HEAD = struct.Struct("<BQ")
+_BY_NAME: Mapping[str, RunTopic] = {topic.name: topic for topic in TOPICS}
+# The topic whose log times say how long the run took.
+_PACE_TOPIC = "thruster_feedback"
 
-# Series that controller_status carries; it is published between samples too, as the answer to an operator.
-_OF_STATUS = (
-    "reference_position",
-    "reference_velocity",
-    "proportional",
-    "integral",
-    "derivative",
-    "wind_feedforward",
-    "joystick",
-    "transfer",
-)
-
-# Numbers of allocation_status that are NaN where nobody asked for them.
-_STATUS_NUMBERS = (
-    "performance_measure",
-    "minimum_gain",
-    "minimum_gain_both_ways",
-    "minimum_gain_free",
-    "sub_problem",
-)
-
-Row = tuple[float, ...]
+Stamps = NDArray[np.int64]
 
 
 class BagError(DpError):
@@ -75,190 +71,157 @@ class RecordedRun:
     scenario: Scenario | None
 
 
-def _seconds(stamps: list[int], zero: int) -> FloatArray:
-    return np.array([(stamp - zero) * 1e-9 for stamp in stamps], dtype=np.float64)
+def _seconds(stamps: Stamps, zero: int) -> FloatArray:
+    return (stamps - zero).astype(np.float64) * 1e-9
 
 
-class _Column:
-    """Rows of one series by stamp (ns); of several with one stamp the last counts.
+@dataclass
+class _Raw:
+    """Serialized messages of one topic, in the order of the file."""
 
-    An operator's input is answered with a status between two samples, and a command with a setpoint; what the sample
-    itself is answered with comes later, or says the same.
-    """
+    topic: RunTopic
+    kind: str
+    data: list[bytes]
+    first: int = 0  # log times, ns
+    last: int = 0
+
+
+class _Rows:
+    """Rows of one series in the order of the file, with their stamps (ns)."""
 
     def __init__(self) -> None:
-        self.rows: dict[int, Row] = {}
+        self._parts: list[tuple[NDArray[np.intp], Stamps, FloatArray]] = []
 
-    def series(self, zero: int, width: int) -> Series:
-        """Return the series, with time from ``zero`` (ns)."""
-        stamps = sorted(self.rows)
-        rows = [self.rows[stamp] for stamp in stamps]
-        return Series(_seconds(stamps, zero), np.array(rows, dtype=np.float64).reshape(-1, width))
+    def add(self, index: NDArray[np.intp], stamps: Stamps, rows: FloatArray) -> None:
+        self._parts.append((index, stamps, rows))
 
-    def keep(self, stamps: Collection[int]) -> None:
-        """Drop rows with other stamps."""
-        self.rows = {stamp: row for stamp, row in self.rows.items() if stamp in stamps}
+    def sorted(self) -> tuple[Stamps, FloatArray]:
+        """Return stamps and rows in order of time; of several with one stamp the last counts.
+
+        An operator's input is answered with a status between two samples, and a command with a setpoint; what the
+        sample itself is answered with comes later, or says the same.
+        """
+        order = np.argsort(np.concatenate([index for index, _, _ in self._parts]))
+        stamps = np.concatenate([stamps for _, stamps, _ in self._parts])[order]
+        rows = np.concatenate([rows for _, _, rows in self._parts])[order]
+        found, last = np.unique(stamps[::-1], return_index=True)
+        return found, rows[::-1][last]
 
 
 class _Words:
-    """One word by stamp (ns); of several with one stamp the first counts."""
+    """One word a message in the order of the file, with their stamps (ns)."""
 
     def __init__(self) -> None:
-        self.words: dict[int, str] = {}
+        self._parts: list[tuple[NDArray[np.intp], Stamps, str]] = []
 
-    def labels(self, zero: int) -> Labels:
-        """Return its changes, with time from ``zero`` (ns)."""
-        stamps: list[int] = []
-        words: list[str] = []
-        for stamp in sorted(self.words):
-            if not words or words[-1] != self.words[stamp]:
-                stamps.append(stamp)
-                words.append(self.words[stamp])
-        return Labels(_seconds(stamps, zero), tuple(words))
+    def add(self, index: NDArray[np.intp], stamps: Stamps, word: str) -> None:
+        self._parts.append((index, stamps, word))
 
-    def keep(self, stamps: Collection[int]) -> None:
-        """Drop words with other stamps."""
-        self.words = {stamp: word for stamp, word in self.words.items() if stamp in stamps}
+    def changes(self, only: Stamps | None) -> tuple[Stamps, tuple[str, ...]]:
+        """Return stamps and words where the word changes, looking at stamps in ``only`` if that is given.
+
+        Of several with one stamp the first counts.
+        """
+        index = np.concatenate([index for index, _, _ in self._parts])
+        stamps = np.concatenate([stamps for _, stamps, _ in self._parts])
+        part = np.repeat(np.arange(len(self._parts)), [len(index) for index, _, _ in self._parts])
+        order = np.argsort(index)
+        found, first = np.unique(stamps[order], return_index=True)
+        numbers = part[order][first]
+        if only is not None:
+            kept = np.isin(found, only)
+            found, numbers = found[kept], numbers[kept]
+        words = [self._parts[number][2] for number in numbers.tolist()]
+        change = [i for i, word in enumerate(words) if i == 0 or words[i - 1] != word]
+        return found[change], tuple(words[i] for i in change)
 
 
 class _Collector:
-    """Sorts decoded messages into series."""
+    """Sorts messages into series, thousands at a time."""
 
     def __init__(self, vessel: Vessel) -> None:
-        self._names = list(vessel.thruster_names)
-        self.columns: dict[str, _Column] = {}
+        self._names = vessel.thruster_names
+        self.rows: dict[str, _Rows] = {}
         self.words: dict[str, _Words] = {}
-        self.topics: Mapping[str, Callable[[int, Any], None]] = {
-            "pose": self._pose,
-            "wind": lambda stamp, m: self._row("wind", stamp, (m.vector.x, m.vector.y)),
-            "truth": self._truth,
-            "odometry": self._odometry,
-            "observer_state": self._observer_state,
-            "controller_status": self._controller_status,
-            "tau_desired": lambda stamp, m: self._row("tau_desired", stamp, _wrench(m)),
-            "tau_achieved": lambda stamp, m: self._row("tau_achieved", stamp, _wrench(m)),
-            "thruster_command": self._thruster_command,
-            "allocation_status": self._allocation_status,
-            "actuator_setpoint": self._actuator_setpoint,
-            "thruster_feedback": self._thruster_feedback,
-            "ventilation": self._ventilation,
-            "propulsion_truth": self._propulsion_truth,
-        }
 
-    def take(self, topic: str, message: Any) -> None:
-        stamp = message.header.stamp
-        self.topics[topic](stamp.sec * _NANOSECONDS + stamp.nanosec, message)
+    def take(self, raw: _Raw, types: Typestore) -> None:
+        """Take all messages of a topic. Raises BagError, LayoutError."""
+        topic = raw.topic
+        texts = [*topic.words, *(["name"] if topic.by_thruster else [])]
+        found = list(batches(types, raw.kind, raw.data, texts))
+        stale = _stale(found, len(raw.data)) if topic.name == "actuator_setpoint" else None
+        for batch in found:
+            if topic.by_thruster and batch.texts["name"] != self._names:
+                shown = list(batch.texts["name"])
+                raise BagError(f"{topic.name}: expected the thrusters {list(self._names)}, found {shown}")
+            self._take(topic, batch, stale)
 
-    def drop_answers_to_operators(self) -> None:
-        """Keep those controller_status that came with a demand."""
-        if "tau_desired" not in self.columns:
-            return
-        stamps = self.columns["tau_desired"].rows
-        for name in _OF_STATUS:
-            if name in self.columns:
-                self.columns[name].keep(stamps)
-        for name in ("controller_mode", "controller_status"):
-            if name in self.words:
-                self.words[name].keep(stamps)
+    def _take(self, topic: RunTopic, batch: Batch, left_out: NDArray[np.bool_] | None) -> None:
+        index, rows = batch.index, batch.rows
+        if left_out is not None:
+            kept = ~left_out[index]
+            index, rows = index[kept], rows[kept]
+        stamps = _stamps(rows)
+        for path, label in topic.words.items():
+            if word := batch.texts.get(path):
+                self.words.setdefault(label, _Words()).add(index, stamps, str(word))
+        for name in topic.series:
+            values = self._values(topic, name, rows)
+            if values is None:
+                continue
+            there = np.ones(len(rows), dtype=np.bool_)
+            if name in topic.only_finite:
+                there &= np.isfinite(values).all(axis=1)
+            if name in topic.only_if:
+                flag = topic.only_if[name]
+                there &= rows[flag] if flag in (rows.dtype.names or ()) else False
+            if there.any():
+                self.rows.setdefault(name, _Rows()).add(index[there], stamps[there], values[there])
 
-    def _row(self, series: str, stamp: int, row: Any) -> None:
-        self.columns.setdefault(series, _Column()).rows[stamp] = tuple(row)
-
-    def _word(self, name: str, stamp: int, word: str) -> None:
-        self.words.setdefault(name, _Words()).words.setdefault(stamp, word)
-
-    def _by_thruster(self, series: str, stamp: int, names: list[str], values: Any) -> None:
-        if list(names) != self._names:
-            raise BagError(f"{series}: expected the thrusters {self._names}, found {list(names)}")
-        self._row(series, stamp, values)
-
-    def _pose(self, stamp: int, m: Any) -> None:
-        fix = m.pose.covariance[0] >= 0.0
-        self._row("pose", stamp, _position(m.pose.pose) if fix else (np.nan,) * 3)
-
-    def _truth(self, stamp: int, m: Any) -> None:
-        self._row("truth_position", stamp, _position(m.pose.pose))
-
-    def _propulsion_truth(self, stamp: int, m: Any) -> None:
-        for name in PROPULSION_TRUTH:
-            self._by_thruster(f"truth_{name}", stamp, m.name, getattr(m, name))
-
-    def _odometry(self, stamp: int, m: Any) -> None:
-        twist = m.twist.twist
-        self._row("estimate_position", stamp, _position(m.pose.pose))
-        self._row("estimate_velocity", stamp, (twist.linear.x, twist.linear.y, twist.angular.z))
-
-    def _observer_state(self, stamp: int, m: Any) -> None:
-        self._row("wave_position", stamp, m.wave_frequency_position)
-        self._row("bias", stamp, m.bias)
-        self._word("observer_status", stamp, m.status)
-
-    def _controller_status(self, stamp: int, m: Any) -> None:
-        for name in _OF_STATUS:
-            if hasattr(m, name):  # recordings of earlier versions have no wind_feedforward
-                self._row(name, stamp, getattr(m, name))
-        self._word("controller_mode", stamp, m.mode)
-        self._word("controller_status", stamp, m.status)
-
-    def _thruster_command(self, stamp: int, m: Any) -> None:
-        self._by_thruster("thrust_command", stamp, m.name, m.thrust)
-        self._by_thruster("azimuth_command", stamp, m.name, m.azimuth)
-
-    def _allocation_status(self, stamp: int, m: Any) -> None:
-        self._row("slack", stamp, m.slack)
-        self._row("allocation_cost", stamp, (m.cost,))
-        self._word("allocation_status", stamp, m.status)
-        self._word("azimuth_mode", stamp, m.azimuth_mode)
-        if getattr(m, "antispin", False):  # not in recordings of earlier versions
-            self._row("torque_loss", stamp, m.torque_loss)
-        for name in (
-            "performance_measure",
-            "minimum_gain",
-            "minimum_gain_both_ways",
-            "minimum_gain_free",
-            "sub_problem",
-        ):
-            value = float(getattr(m, name, np.nan))
-            if np.isfinite(value):
-                self._row(name, stamp, (value,))
-        for name in ("rotating", "crossing"):
-            if len(flags := getattr(m, name, ())):
-                self._row(name, stamp, [float(flag) for flag in flags])
-
-    def _actuator_setpoint(self, stamp: int, m: Any) -> None:
-        answered = self.columns.get("torque_setpoint")
-        if m.command_stale and answered and stamp in answered.rows:
-            return  # the farewell of drivers that are being stopped: what they had answered was in force
-        self._by_thruster("torque_setpoint", stamp, m.name, m.torque)
-        self._by_thruster("azimuth_rate_setpoint", stamp, m.name, m.azimuth_rate)
-        self._pitch("pitch_ratio_setpoint", stamp, m)
-
-    def _thruster_feedback(self, stamp: int, m: Any) -> None:
-        self._by_thruster("shaft_speed", stamp, m.name, m.shaft_speed)
-        self._by_thruster("motor_torque", stamp, m.name, m.torque)
-        self._by_thruster("power", stamp, m.name, m.power)
-        self._by_thruster("azimuth", stamp, m.name, m.azimuth)
-        self._pitch("pitch_ratio", stamp, m)
-
-    def _pitch(self, series: str, stamp: int, m: Any) -> None:
-        """Recordings of earlier versions, and thrusters of fixed pitch, may not tell of it."""
-        if len(getattr(m, "pitch_ratio", ())):
-            self._by_thruster(series, stamp, m.name, m.pitch_ratio)
-
-    def _ventilation(self, stamp: int, m: Any) -> None:
-        self._by_thruster("ventilating", stamp, m.name, [float(flag) for flag in m.ventilating])
-        self._by_thruster("beta_q", stamp, m.name, m.beta_q)
-        self._by_thruster("beta_q2", stamp, m.name, m.beta_q2)
+    def _values(self, topic: RunTopic, name: str, rows: NDArray[Any]) -> FloatArray | None:
+        """Return the rows of a series; None where the messages do not tell of it, as in earlier versions."""
+        width = WIDTHS[name] or len(self._names)
+        values: FloatArray = np.full((len(rows), width), np.nan)
+        for path, (series, column) in topic.numbers.items():
+            if series != name:
+                continue
+            if path not in (rows.dtype.names or ()):
+                return None
+            given = rows[path].reshape(len(rows), -1)
+            expected = width if column is None else 1
+            if given.shape[1] == 0:
+                return None
+            if given.shape[1] != expected:
+                raise BagError(f"{topic.name}.{path}: expected {expected} numbers, found {given.shape[1]}")
+            values[:, slice(None) if column is None else slice(column, column + 1)] = given
+        if topic.orientation is not None and topic.orientation[1] == name:
+            values[:, 2] = _headings(rows, topic.orientation[0])
+            if topic.name == "pose":  # a negative variance: no fix
+                values[rows["pose.covariance"][:, 0] < 0.0] = np.nan
+        return values
 
 
-def _position(pose: Any) -> Row:
-    q = pose.orientation
-    return pose.position.x, pose.position.y, quaternion_to_heading(q.x, q.y, q.z, q.w)
+def _stamps(rows: NDArray[Any], path: str = "header.stamp") -> Stamps:
+    stamps: Stamps = rows[f"{path}.sec"].astype(np.int64) * _NANOSECONDS + rows[f"{path}.nanosec"]
+    return stamps
 
 
-def _wrench(message: Any) -> Row:
-    wrench = message.wrench
-    return wrench.force.x, wrench.force.y, wrench.torque.z
+def _headings(rows: NDArray[Any], path: str) -> list[float]:
+    # One by one: numpy's arctangent may differ from the nodes' in the last place.
+    parts = [rows[f"{path}.{part}"].tolist() for part in "xyzw"]
+    return [quaternion_to_heading(*quaternion) for quaternion in zip(*parts, strict=True)]
+
+
+def _stale(found: list[Batch], count: int) -> NDArray[np.bool_]:
+    """Return which setpoints are the farewell of drivers that are being stopped: what they answered was in force."""
+    stamps = np.empty(count, dtype=np.int64)
+    stale = np.zeros(count, dtype=np.bool_)
+    for batch in found:
+        stamps[batch.index], stale[batch.index] = _stamps(batch.rows), batch.rows["command_stale"]
+    _, first = np.unique(stamps, return_index=True)
+    answered = np.ones(count, dtype=np.bool_)
+    answered[first] = False
+    return stale & answered
 
 
 def bag_file(path: Path) -> Path:
@@ -305,21 +268,60 @@ def read_bag(path: Path, vessel: str = "") -> RecordedRun:
 
 
 def _read(stream: IO[bytes], file: Path, vessel_name: str) -> RecordedRun:
-    reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+    reader = make_reader(stream)
+    summary = reader.get_summary()
+    if summary is None:
+        raise BagError(f"{file}: has no summary; the recording was not closed")
     attachments = {attachment.name: attachment.data for attachment in reader.iter_attachments()}
+    records = {record.name: record.metadata for record in reader.iter_metadata()}
     vessel, scenario = _documents(attachments, vessel_name, file)
     collector = _Collector(vessel)
-    first, last = _collect(reader, collector, file)
-    collector.drop_answers_to_operators()
-    started = min((min(c.rows) for c in collector.columns.values() if c.rows), default=0)
+    raw = _raw_messages(stream, summary, file)
+    try:
+        schemas = {schema.name: schema.data.decode() for schema in summary.schemas.values()}
+        types = types_of({one.kind: schemas[one.kind] for one in raw})
+        for one in raw:
+            collector.take(one, types)
+    except (LayoutError, TypesysError, UnicodeDecodeError) as error:
+        raise BagError(f"{file}: cannot be read: {error}") from error
+    run = _run(collector, vessel, scenario)
+    pace = next((one for one in raw if one.topic.name == _PACE_TOPIC), None)
+    info = _info(records, vessel, scenario, run.duration, pace)
+    return RecordedRun(RunData(info, run.thrusters, run.series, run.labels), vessel, scenario)
+
+
+def _run(collector: _Collector, vessel: Vessel, scenario: Scenario | None) -> RunData:
+    found = {name: rows.sorted() for name, rows in collector.rows.items()}
+    # An operator is answered with a status as well; those count that came with a demand.
+    demands = found["tau_desired"][0] if "tau_desired" in found else None
+    for name in _BY_NAME["controller_status"].series:
+        if name in found and demands is not None:
+            kept = np.isin(found[name][0], demands)
+            found[name] = found[name][0][kept], found[name][1][kept]
+    started = min((int(stamps[0]) for stamps, _ in found.values() if len(stamps)), default=0)
     zero = started if started > _LONGEST_RUN_NS else 0
-    series = {
-        name: column.series(zero, WIDTHS[name] or len(vessel.thrusters)) for name, column in collector.columns.items()
-    }
-    labels = {name: words.labels(zero) for name, words in collector.words.items()}
-    records = {record.name: record.metadata for record in reader.iter_metadata()}
-    end = max((float(entry.t[-1]) for entry in series.values() if len(entry.t)), default=0.0)
-    info = RunInfo(
+    series = {name: Series(_seconds(stamps, zero), rows) for name, (stamps, rows) in found.items()}
+    labels = {}
+    for name, words in collector.words.items():
+        of_status = name in _BY_NAME["controller_status"].words.values()
+        stamps, changes = words.changes(demands if of_status else None)
+        labels[name] = Labels(_seconds(stamps, zero), changes)
+    return RunData(RunInfo("", "", ""), vessel.thruster_names, series, labels)
+
+
+def _info(
+    records: Mapping[str, Mapping[str, str]],
+    vessel: Vessel,
+    scenario: Scenario | None,
+    end: float,
+    pace: _Raw | None,
+) -> RunInfo:
+    """Return who sailed what: as the run itself has written it down, or as the recording shows."""
+    if RUN_RECORD in records:
+        own = {field.name for field in fields(RunInfo)}
+        return RunInfo(**{name: json.loads(text) for name, text in records[RUN_RECORD].items() if name in own})
+    first, last = (pace.first, pace.last) if pace else (0, 0)
+    return RunInfo(
         scenario=scenario.name if scenario else "",
         vessel=vessel.name,
         how="node graph",
@@ -329,29 +331,44 @@ def _read(stream: IO[bytes], file: Path, vessel_name: str) -> RecordedRun:
         simulated_time=min(end + vessel.simulation.time_step, scenario.duration) if scenario else end,
         wall_time=(last - first) * 1e-9,
     )
-    return RecordedRun(RunData(info, vessel.thruster_names, series, labels), vessel, scenario)
 
 
-def _collect(reader: McapReader, collector: _Collector, file: Path) -> tuple[int, int]:
-    """Hand every message that counts to ``collector``; return the log times (ns) of the first and last feedback."""
-    summary = reader.get_summary()
-    if summary is None:
-        raise BagError(f"{file}: has no summary; the recording was not closed")
-    names: dict[str, str] = {}
+def _raw_messages(stream: IO[bytes], summary: Summary, file: Path) -> list[_Raw]:
+    """Return the messages of every topic that counts."""
+    found: dict[int, _Raw] = {}
     for channel in summary.channels.values():
         short = channel.topic.rpartition("/")[2]
-        if short in collector.topics:
-            if short in names.values():
+        if short in _BY_NAME:
+            if any(raw.topic.name == short for raw in found.values()):
                 raise BagError(f"{file}: expected one graph, found {short} in two namespaces")
-            names[channel.topic] = short
-    if not names:
-        raise BagError(f"{file}: holds none of the topics {', '.join(collector.topics)}")
-    first = last = 0
-    for _, channel, message, decoded in reader.iter_decoded_messages(topics=list(names), log_time_order=False):
-        collector.take(names[channel.topic], decoded)
-        if names[channel.topic] == "thruster_feedback":
-            first, last = first or message.log_time, message.log_time
-    return first, last
+            found[channel.id] = _Raw(_BY_NAME[short], summary.schemas[channel.schema_id].name, [])
+    if not found:
+        raise BagError(f"{file}: holds none of the topics {', '.join(_BY_NAME)}")
+    for channel_id, log_time, data in _messages(stream):
+        raw = found.get(channel_id)
+        if raw is not None:
+            raw.first = raw.first or log_time
+            raw.last = log_time
+            raw.data.append(data)
+    return [raw for raw in found.values() if raw.data]
+
+
+def _messages(stream: IO[bytes]) -> Iterator[tuple[int, int, bytes]]:
+    """Yield channel, log time (ns) and data of every message, in the order of the file."""
+    stream.seek(0)
+    for record in StreamReader(stream, emit_chunks=True).records:
+        if isinstance(record, Message):
+            yield record.channel_id, record.log_time, record.data
+        elif isinstance(record, Chunk):
+            data = get_chunk_data_stream(record, validate_crc=True)[0].read(record.uncompressed_size)
+            at = 0
+            while at < len(data):
+                opcode, length = _RECORD_HEAD.unpack_from(data, at)
+                at += _RECORD_HEAD.size
+                if opcode == Opcode.MESSAGE:
+                    channel_id, _, log_time, _ = _MESSAGE_HEAD.unpack_from(data, at)
+                    yield channel_id, log_time, data[at + _MESSAGE_HEAD.size : at + length]
+                at += length
 
 
 def _documents(attachments: Mapping[str, bytes], vessel_name: str, file: Path) -> tuple[Vessel, Scenario | None]:

@@ -17,7 +17,8 @@ from dp_tools.operator_node import Operator, operator
 from dp_tools.parameter_service import read_parameter_file
 from dp_tools.processes import Child, Children
 from dp_tools.recorder import RECORDER_EARS
-from dp_tools.run_files import Pace, RunFolder, start_parameters, write_start_parameters
+from dp_tools.run_files import Pace, start_parameters, write_start_parameters
+from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario
 from dp_tools.workspace import executable, share
 from marine_model.errors import DpError

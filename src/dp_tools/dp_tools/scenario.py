@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Self
 
+import yaml
 from pydantic import Field, PrivateAttr, model_validator
 
 from dp_tools.figures import AnyFigure
@@ -161,6 +162,25 @@ def load_scenario(name_or_path: str | Path, vessel: Vessel | None = None) -> Sce
         raise DocumentError("\n".join(problems))
     scenario._path = document.path.absolute()
     return scenario
+
+
+def scenario_document(scenario: Scenario) -> bytes:
+    """Return a scenario as a YAML file that can be loaded from anywhere: its own file, where that says the same.
+
+    Raises
+    ------
+    DocumentError
+        If its file cannot be read any more.
+    """
+    if scenario.path is None:
+        content = scenario.model_dump(mode="json", exclude_none=True)
+    else:
+        content = read_yaml(scenario.path).content
+        moved = content.get("vessel") != scenario.vessel
+        if content.get("seed", 0) == scenario.seed and not moved:
+            return scenario.path.read_bytes()
+        content |= {"seed": scenario.seed, "vessel": scenario.vessel}
+    return yaml.safe_dump(content, sort_keys=False, allow_unicode=True).encode()
 
 
 def free_run(vessel: str, duration: float) -> Scenario:

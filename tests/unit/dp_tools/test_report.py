@@ -15,7 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from dp_tools.report.page import number, with_unit, write_report
+from dp_tools.quantities import number, with_unit
+from dp_tools.report.page import write_report
 from dp_tools.report.panels import Panels
 from dp_tools.report.picture import write_picture
 from dp_tools.report.thinning import break_turns, thin

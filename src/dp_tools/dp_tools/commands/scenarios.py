@@ -1,4 +1,4 @@
-"""`dp scenario`: the scenarios that can be played."""
+"""`dp scenario`: scenarios that can be played."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ import typer
 from rich.table import Table
 
 from dp_tools.commands.root import console
+from dp_tools.commands.run_scenarios import run
 from dp_tools.scenario import load_scenario, scenario_names
 
-scenario_app = typer.Typer(help="Scenarios that can be played.", no_args_is_help=True)
+scenario_app = typer.Typer(help="Scenarios: list, check, sail and judge them.", no_args_is_help=True)
+scenario_app.command("run")(run)
 
 
 @scenario_app.command("list")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from dp_tools.design.tables import buses, numbers
-from dp_tools.run_files import FolderError, make_writable
+from dp_tools.run_folder import FolderError, make_writable
 from marine_model import Vessel
 from thrust_allocator.design.loop import Study, bus_losses
 from thrust_allocator.design.maps import GainMap, MapCase

@@ -12,7 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from dp_tools.design.files import DesignFolder
 from dp_tools.design.plots import draw_attainable, draw_gains, draw_map, draw_overview
 from dp_tools.design.tables import ball_lines, bus_lines, combination_table, split_lines, split_table
-from dp_tools.run_files import FolderError
+from dp_tools.run_folder import FolderError
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray

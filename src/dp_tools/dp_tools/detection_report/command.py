@@ -12,7 +12,7 @@ from rich.text import Text
 
 from dp_tools.detection_report.campaigns import METHODS, confusion, run_campaigns
 from dp_tools.detection_report.page import render
-from dp_tools.run_files import FolderError, make_writable
+from dp_tools.run_folder import FolderError, make_writable
 from marine_model import Vessel
 
 PAGE, NUMBERS = "detection.html", "detection.json"

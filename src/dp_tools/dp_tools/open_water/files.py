@@ -15,7 +15,7 @@ from dp_tools.open_water.outcome import Outcome
 from dp_tools.open_water.page import render
 from dp_tools.open_water.plots import stacked
 from dp_tools.open_water.record import QUANTITIES, UNITS
-from dp_tools.run_files import FolderError, make_writable
+from dp_tools.run_folder import FolderError, make_writable
 
 PAGE, NUMBERS, SERIES, PICTURE = "open_water.html", "open_water.json", "series.csv", "open_water.png"
 _DPI = 110

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from dp_tools.open_water.measures import MEASURES
 from dp_tools.open_water.outcome import FigureValue, Outcome
-from dp_tools.report.page import number, with_unit
+from dp_tools.quantities import number, with_unit
 
 
 @dataclass(frozen=True)

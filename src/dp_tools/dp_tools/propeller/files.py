@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from dp_tools.propeller.study import Columns, Study
-from dp_tools.run_files import FolderError, make_writable
+from dp_tools.run_folder import FolderError, make_writable
 from thruster_drivers.sensitivity import Sensitivity
 
 

@@ -13,7 +13,7 @@ from dp_tools.propeller.plots import pictures_of
 from dp_tools.propeller.study import Study, check_loading, study
 from dp_tools.propeller.subject import Subject
 from dp_tools.propeller.tables import comparison_table, printed_table, remarks, summary_table
-from dp_tools.run_files import FolderError
+from dp_tools.run_folder import FolderError
 
 
 def run_propeller(

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.exceptions import ParameterException
@@ -20,6 +19,7 @@ from dp_node import RING, Health, Level, RingExecutor
 from dp_node.health import to_status
 from dp_node.run import Stop
 from dp_tools.recorder import RECORDER_EARS
+from dp_tools.recorder.attachments import SCENARIO_ATTACHMENT, VESSEL_ATTACHMENT, vessel_document
 from dp_tools.recorder.bag_writer import BagWriter
 from dp_tools.recorder.errors import RecordingRefusedError, RecordingStoppedError
 from dp_tools.recorder.recorder import Recorder
@@ -92,12 +92,10 @@ class RecorderNode(Node):
         """Return files to attach by name. Raises DpError."""
         files = {}
         if self._vessel:
-            # Whole: a vessel file may extend another.
-            vessel = load_vessel(self._vessel).model_dump(mode="json")
-            files["vessel.yaml"] = yaml.safe_dump(vessel, sort_keys=False).encode()
+            files[VESSEL_ATTACHMENT] = vessel_document(load_vessel(self._vessel))
         if self._scenario:
             try:
-                files["scenario.yaml"] = Path(self._scenario).read_bytes()
+                files[SCENARIO_ATTACHMENT] = Path(self._scenario).read_bytes()
             except OSError as error:
                 raise RecordingRefusedError(f"{self._scenario}: cannot be read: {error.strerror}") from error
         return files

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
 from dp_tools.figures import Figure, compute_figures, write_figures
 from dp_tools.limits import LimitCheck, limits_violations
+from dp_tools.quantities import bound, interval, number, quantity, remark
 from dp_tools.report.asked import asked_pictures
 from dp_tools.report.plots import close_up_pictures, pictures
 from dp_tools.report.scene import Picture, Scene
@@ -123,74 +123,23 @@ def render(run: RunData, scenario: Scenario, vessel: Vessel, figures: tuple[Figu
     )
 
 
-def number(value: float, digits: int = 3) -> str:
-    """Return ``value`` with ``digits`` significant digits, a true minus sign, and no exponent for usual sizes."""
-    if value == 0.0:
-        return "0"
-    if not math.isfinite(value):
-        return str(value)
-    magnitude = math.floor(math.log10(abs(value)))
-    if not -5 < magnitude < 6:
-        text = f"{value:.{digits - 1}e}"
-    else:
-        text = f"{value:.{max(0, digits - 1 - magnitude)}f}"
-    return text.replace("-", "−")
-
-
-def with_unit(value: float, unit: str, digits: int = 3) -> str:
-    """Return ``value`` and its unit; small lengths in mm."""
-    if unit == "1":
-        return number(value, digits)
-    if unit == "m" and 0.0 < abs(value) < 0.1:
-        value, unit = 1000.0 * value, "mm"
-    return f"{number(value, digits)} {unit}"
-
-
-def _quantity(figure: Figure, value: float) -> str:
-    if figure.spec.shown == "change":
-        return f"{100.0 * value:+.1f} %".replace("-", "−")
-    if figure.spec.shown == "share":
-        return f"{100.0 * value:.1f} %".replace("-", "−")
-    return with_unit(value, figure.unit)
-
-
-def _limit(figure: Figure, value: float) -> str:
-    """Return a limit as it was given: 0.05 N, not 0.05000 N."""
-    size, space, unit = with_unit(value, figure.unit, 4).partition(" ")
-    return (size.rstrip("0").rstrip(".") if "." in size and "e" not in size else size) + space + unit
-
-
-def _bound(figure: Figure) -> str:
-    parts = []
-    if figure.spec.at_least is not None:
-        parts.append(f"at least {_limit(figure, figure.spec.at_least)}")
-    if figure.spec.at_most is not None:
-        parts.append(f"at most {_limit(figure, figure.spec.at_most)}")
-    return ", ".join(parts)
-
-
 def _figure_row(figure: Figure) -> FigureRow:
     spec = figure.spec
-    interval = ""
-    if figure.low is not None and figure.high is not None:
-        low, high = _quantity(figure, figure.low), _quantity(figure, figure.high)
-        number_of_low, _, unit_of_low = low.partition(" ")
-        interval = f"{number_of_low if high.endswith(unit_of_low) else low} … {high}"
     difference = ""
     if figure.difference is not None:
         if spec.shown == "change":
             difference = f"{100.0 * figure.difference:+.1f} points"
         else:
-            difference = ("+" if figure.difference > 0.0 else "") + _quantity(figure, figure.difference)
+            difference = ("+" if figure.difference > 0.0 else "") + quantity(spec, figure.difference)
     return FigureRow(
         title=spec.title,
-        ours="not reached" if figure.value is None else _quantity(figure, figure.value),
-        interval=interval,
-        thesis="" if spec.thesis is None else _quantity(figure, spec.thesis),
+        ours="not reached" if figure.value is None else quantity(spec, figure.value),
+        interval="" if figure.low is None or figure.high is None else interval(spec, figure.low, figure.high),
+        thesis="" if spec.thesis is None else quantity(spec, spec.thesis),
         difference=difference.replace("-", "−"),
-        bound=_bound(figure),
+        bound=bound(spec),
         held=figure.held,
-        remark=" ".join(part for part in (spec.reason, f"({spec.source})" if spec.source else "") if part),
+        remark=remark(spec),
     )
 
 
