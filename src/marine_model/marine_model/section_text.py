@@ -22,7 +22,9 @@ def section_text(section: Section, remarks: str = "") -> str:
 
 def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
-        return {key: _plain(item) for key, item in value.items()}
+        # Names and single numbers first, as people write them; else in the order of the section.
+        whole = sorted(value.items(), key=lambda entry: isinstance(entry[1], Mapping | list | tuple))
+        return {key: _plain(item) for key, item in whole}
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
     return value

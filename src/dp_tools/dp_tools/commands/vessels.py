@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -45,6 +46,9 @@ def scale_vessel(
         float, typer.Argument(metavar="RATIO", help="New length over old; 30 makes 1:1 of 1:30.", min=0.0)
     ],
     name: Annotated[str, typer.Option(metavar="NAME", help="Of the new vessel; <vessel>_<ratio> if left out.")] = "",
+    description: Annotated[
+        str, typer.Option(metavar="TEXT", help="Of the new vessel; that of VESSEL and the ratio if left out.")
+    ] = "",
     output: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Where the file goes; to standard output if left out.")
     ] = None,
@@ -54,9 +58,8 @@ def scale_vessel(
     The time step is rounded to whole nanoseconds, as time stamps are. Data files and what the vessel extends are
     written out.
     """
-    new = scaled(load_vessel(vessel), ratio, name)
-    option = f" --name {name}" if name else ""
-    text = section_text(new, f"Made by: dp vessel scale {vessel} {ratio:g}{option}\n{REMARKS}")
+    new = scaled(load_vessel(vessel), ratio, name, description)
+    text = section_text(new, _remarks(vessel, ratio, name, description))
     if output is None:
         print(text, end="")
         return
@@ -67,6 +70,11 @@ def scale_vessel(
     console.print(f"vessel  {output}", soft_wrap=True)
 
 
-REMARKS = """\
+def _remarks(vessel: str, ratio: float, name: str, description: str) -> str:
+    command = ["dp", "vessel", "scale", vessel, f"{ratio:g}"]
+    command += ["--name", name] if name else []
+    command += ["--description", description] if description else []
+    return f"""\
+Made by: {shlex.join(command)}
 Every number is that of the vessel it was made of, scaled by its unit with gravity and the density of water kept.
 Sources and reasons are in that vessel's file: change it there, and make this one again."""
