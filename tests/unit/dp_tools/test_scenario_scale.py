@@ -189,9 +189,9 @@ def test_every_shipped_scenario_fits_the_full_scale_ship(ship: Vessel) -> None:
 
 # Sailing -------------------------------------------------------------------------------------------------------------
 
-# Series, and the unit of each. Both scales may be 1e-6 of the largest value apart: the step of the ship is 4.6e-9 longer
-# than Froude's law asks for, so that forces of water and gravity, which do not go with the step, are off by 1e-8, and the
-# loop makes several times that of it.
+# Series, and the unit of each. Both scales may be 1e-6 of the largest value apart: the step of the ship is 4.6e-9
+# longer than Froude's law asks for, so that forces of water and gravity, which do not go with the step, are off by
+# 1e-8, and the loop makes several times that of it.
 SERIES = {
     "truth_position": "m, m, rad",
     "estimate_velocity": "m/s, m/s, rad/s",
