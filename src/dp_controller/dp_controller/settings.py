@@ -27,7 +27,7 @@ class WindFeedforwardSettings(Settings):
     """Use of the measured wind."""
 
     enabled: bool = setting(False, "Ask for the opposite of the wind's estimated force; needs a measured wind")
-    gain: float = setting(1.0, "Part of the estimated force that is asked for", ge=0.0, le=2.0)
+    gain: float = setting(1.0, "Part of the estimated force that is asked for", unit="1", ge=0.0, le=2.0)
     filter_time: float = setting(
         1.0,
         "Time constant with which the force follows the measured wind, so that thrusters do not follow gusts",

@@ -223,8 +223,8 @@ class Measurement(Section):
     shaft_speed_noise: Annotated[NonNegative, Unit("Hz")]  # standard deviation
     azimuth_noise: Annotated[NonNegative, Unit("rad")]  # standard deviation
     dropout: Fraction  # chance that a pose is lost
-    wind_speed_noise: NonNegative = 0.0  # m/s, standard deviation
-    wind_direction_noise: NonNegative = 0.0  # rad, standard deviation
+    wind_speed_noise: Annotated[NonNegative, Unit("m/s")] = 0.0  # standard deviation
+    wind_direction_noise: Annotated[NonNegative, Unit("rad")] = 0.0  # standard deviation
 
 
 class Simulation(Section):
