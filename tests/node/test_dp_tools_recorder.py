@@ -215,7 +215,7 @@ def test_vessel_and_scenario_are_attached(node: Node, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        (["vessel:=titanic"], "expected a path or one of cybership3, cybership3_ch7, cybership3_trimmed, found"),
+        (["vessel:=titanic"], "expected a path or one of cybership3, cybership3_ch7, cybership3_full_scale, "),
         (["scenario:=nowhere.yaml"], "nowhere.yaml: cannot be read: No such file or directory"),
         (["overwrite:=maybe"], "parameter overwrite"),
     ],

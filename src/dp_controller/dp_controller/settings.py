@@ -27,7 +27,7 @@ class WindFeedforwardSettings(Settings):
     """Use of the measured wind."""
 
     enabled: bool = setting(False, "Ask for the opposite of the wind's estimated force; needs a measured wind")
-    gain: float = setting(1.0, "Part of the estimated force that is asked for", ge=0.0, le=2.0)
+    gain: float = setting(1.0, "Part of the estimated force that is asked for", unit="1", ge=0.0, le=2.0)
     filter_time: float = setting(
         1.0,
         "Time constant with which the force follows the measured wind, so that thrusters do not follow gusts",
@@ -47,12 +47,16 @@ class ControllerSettings(Settings):
     axis_sway: AxisMode = setting("joystick", "Sway in mode semi_automatic")
     axis_yaw: AxisMode = setting("automatic", "Yaw in mode semi_automatic")
     proportional_scale: _Scale3 = setting(
-        _ONES, "Factor on the vessel's proportional gain in surge, sway, yaw, 0 to 10"
+        _ONES, "Factor on the vessel's proportional gain in surge, sway, yaw, 0 to 10", unit="1"
     )
-    integral_scale: _Scale3 = setting(_ONES, "Factor on the vessel's integral gain in surge, sway, yaw, 0 to 10")
-    derivative_scale: _Scale3 = setting(_ONES, "Factor on the vessel's derivative gain in surge, sway, yaw, 0 to 10")
+    integral_scale: _Scale3 = setting(
+        _ONES, "Factor on the vessel's integral gain in surge, sway, yaw, 0 to 10", unit="1"
+    )
+    derivative_scale: _Scale3 = setting(
+        _ONES, "Factor on the vessel's derivative gain in surge, sway, yaw, 0 to 10", unit="1"
+    )
     velocity_scale: _SpeedFraction3 = setting(
-        _ONES, "Part of the vessel's velocity limit that the reference may use in surge, sway, yaw, 0.01 to 1"
+        _ONES, "Part of the vessel's velocity limit that the reference may use in surge, sway, yaw, 0.01 to 1", unit="1"
     )
     velocity_feedback: Literal["vessel", "error"] = setting(
         "vessel",
@@ -69,7 +73,7 @@ class ControllerSettings(Settings):
         2.0, "Age from which a joystick input fades to zero; 0 for never", unit="s", ge=0.0
     )
     tau_max: NonNegativeVector3 = setting(
-        (0.0, 0.0, 0.0), "Largest demand in surge (N), sway (N), yaw (N m); 0 for no limit"
+        (0.0, 0.0, 0.0), "Largest demand in surge, sway, yaw; 0 for no limit", unit="N, N, N m"
     )
 
     wind_feedforward: WindFeedforwardSettings = WindFeedforwardSettings()

@@ -107,7 +107,7 @@ def describe(model: type[Settings], name: str) -> ParameterDescriptor:
     field = _field(model, name)
     extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
     unit = str(extra.get("unit") or "")
-    text = f"{field.description} [{unit}]" if unit else str(field.description)
+    text = f"{field.description} [{unit}]" if unit not in ("", "1") else str(field.description)
     kind, choices = _type(field.annotation)
     if choices:
         text += f" (one of: {', '.join(choices)})"

@@ -385,7 +385,7 @@ def _documents(attachments: Mapping[str, bytes], vessel_name: str, file: Path) -
             raise UnknownNameError(f"{file}: holds no vessel file; name the vessel")
         scenario = None
         if SCENARIO_ATTACHMENT in attachments:
-            scenario = load_scenario(Path(folder) / SCENARIO_ATTACHMENT, vessel)
+            scenario = load_scenario(Path(folder) / SCENARIO_ATTACHMENT, vessel, scale=False)
         return vessel, scenario
 
 

@@ -12,6 +12,7 @@ from dp_tools.commands.root import app, main
 from dp_tools.commands.scenarios import scenario_app
 from dp_tools.commands.topics import topics
 from dp_tools.commands.up import up
+from dp_tools.commands.vessels import vessel_app
 
 app.command()(up)
 app.command()(report)
@@ -21,6 +22,7 @@ app.command()(propeller)
 app.command()(detection)
 app.add_typer(parameters_app, name="param")
 app.add_typer(scenario_app, name="scenario")
+app.add_typer(vessel_app, name="vessel")
 app.add_typer(open_water_app, name="open-water")
 
 __all__ = ["app", "main"]

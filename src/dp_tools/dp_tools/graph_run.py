@@ -175,7 +175,7 @@ class GraphRun:
     def _start_recorder(self, children: Children) -> Child:
         parameters = {"output": str(self.folder.bag), "vessel": self.vessel, "overwrite": str(self.overwrite).lower()}
         if self.scenario is not None:
-            parameters["scenario"] = str(self.scenario.path)
+            parameters["scenario"] = str(self.folder.scenario_file(self.scenario))
         arguments: list[str | Path] = [executable("dp_tools", "recorder"), "--ros-args", *self._names()]
         for name, value in parameters.items():
             arguments += ["-p", f"{name}:={value}"]

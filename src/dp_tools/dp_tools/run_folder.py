@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from dp_tools.scenario import Scenario
 from marine_model.errors import DpError
+from marine_model.section_text import section_text
 
 
 class FolderError(DpError):
@@ -49,6 +51,14 @@ class RunFolder:
     def parameters(self) -> Path:
         """Parameter file that the nodes were started with."""
         return self.path / "parameters.yaml"
+
+    def scenario_file(self, scenario: Scenario) -> Path:
+        """Return a file that holds ``scenario``: that which it was loaded from, or one written here."""
+        if scenario.path is not None:
+            return scenario.path
+        path = self.path / f"{scenario.name}.yaml"
+        path.write_text(section_text(scenario), encoding="utf-8")
+        return path
 
     def prepare(self, overwrite: bool) -> None:
         """Make the folder.

@@ -19,28 +19,32 @@ from marine_model.errors import DocumentError, InputError, UnknownNameError
 from marine_model.named_files import file_names, named_file
 from marine_model.schema import NonNegative, Positive, Section, Vector3
 from marine_model.settings import Settings, read_only_parameters, with_parameters
+from marine_model.units import Unit
 from marine_model.yaml_document import FieldPath, YamlDocument, read_yaml
 
 ParameterValue = bool | int | float | str | list[bool] | list[int] | list[float] | list[str]
-NodeParameters = dict[str, dict[str, ParameterValue]]  # by node, by parameter (dots for groups)
-Window = Annotated[tuple[float, float], Field(strict=False)]  # s, start and end
+# By node, by parameter (dots for groups). The units are those of the parameters.
+NodeParameters = Annotated[dict[str, dict[str, ParameterValue]], Unit("")]
+Window = Annotated[tuple[float, float], Field(strict=False), Unit("s")]  # start and end
+Time = Annotated[NonNegative, Unit("s")]
+Position = Annotated[Vector3, Unit("m, m, rad")]  # in map_ned
 
 
 class PathPoint(Section):
     """Where the vessel shall be at one time."""
 
-    at: NonNegative  # s since the start of the run
-    position: Vector3  # m, m, rad in map_ned
+    at: Time  # since the start of the run
+    position: Position
 
 
 class Event(Section):
     """What an operator does at one time: parameters first, then at most one of setpoint, joystick and path."""
 
-    at: NonNegative  # s; whole samples of the control system
+    at: Time  # whole samples of the control system
     label: str = ""  # shown in the report
     parameters: NodeParameters = Field(default_factory=dict)
-    setpoint: Vector3 | None = None  # m, m, rad in map_ned
-    joystick: Vector3 | None = None  # N, N, N m in the body frame
+    setpoint: Position | None = None
+    joystick: Annotated[Vector3 | None, Unit("N, N, N m")] = None  # in the body frame
     path: Annotated[tuple[PathPoint, ...], Field(strict=False, min_length=2)] | None = None
 
     @model_validator(mode="after")
@@ -71,7 +75,8 @@ class Scenario(Section):
     description: str
     source: str = ""  # where the thesis describes it
     vessel: str  # name, or path (from the scenario's folder)
-    duration: Positive  # s; whole samples of the control system
+    scale: Annotated[Positive | None, Unit("")] = None  # that the numbers are for; that of the vessel if absent
+    duration: Annotated[Positive, Unit("s")]  # whole samples of the control system
     seed: int = Field(default=0, ge=0)
     parameters: NodeParameters = Field(default_factory=dict)  # at start
     events: Annotated[tuple[Event, ...], Field(strict=False)] = ()
@@ -83,7 +88,7 @@ class Scenario(Section):
 
     @property
     def path(self) -> Path | None:
-        """File that this was loaded from; None if it was made otherwise."""
+        """File that says the same; None if there is none, as it was scaled or made otherwise."""
         return self._path
 
     @property
@@ -134,15 +139,20 @@ def scenario_path(name_or_path: str | Path) -> Path:
     return named_file("scenario", name_or_path, scenario_folder)
 
 
-def load_scenario(name_or_path: str | Path, vessel: Vessel | None = None) -> Scenario:
+def load_scenario(name_or_path: str | Path, vessel: Vessel | None = None, scale: bool = True) -> Scenario:
     """Return a validated scenario.
+
+    For a vessel of another scale than that of its numbers it is scaled by Froude's law, see
+    :func:`dp_tools.scenario_scale.scaled_scenario`; it has another name and no path then.
 
     Parameters
     ----------
     name_or_path
         A name out of ``scenario_names()``, or the path of a YAML file (anything with a folder or a suffix).
     vessel
-        Vessel to check it against instead of the one that it names.
+        Vessel to sail instead of the one that it names.
+    scale
+        False takes the numbers as they are: a recording holds the scenario as it was sailed.
 
     Raises
     ------
@@ -157,11 +167,18 @@ def load_scenario(name_or_path: str | Path, vessel: Vessel | None = None) -> Sce
     if isinstance(vessel_file, str) and (document.path.parent / vessel_file).is_file():
         document.content["vessel"] = str(document.path.parent / vessel_file)
     scenario = document.validate(Scenario)
-    problems = list(_problems(scenario, document, vessel))
+    if vessel is None:
+        try:
+            vessel = load_vessel(scenario.vessel)
+        except UnknownNameError as error:
+            raise DocumentError(document.problem(("vessel",), str(error))) from error
+    found = _for_scale_of(vessel, scenario) if scale else scenario
+    problems = list(_problems(found, document, vessel))
     if problems:
         raise DocumentError("\n".join(problems))
-    scenario._path = document.path.absolute()
-    return scenario
+    if found is scenario:
+        found._path = document.path.absolute()
+    return found
 
 
 def scenario_document(scenario: Scenario) -> bytes:
@@ -194,13 +211,22 @@ def free_run(vessel: str, duration: float) -> Scenario:
     )
 
 
-def _problems(scenario: Scenario, document: YamlDocument, vessel: Vessel | None) -> Iterator[str]:
-    if vessel is None:
-        try:
-            vessel = load_vessel(scenario.vessel)
-        except UnknownNameError as error:
-            yield document.problem(("vessel",), str(error))
-            return
+def _for_scale_of(vessel: Vessel, scenario: Scenario) -> Scenario:
+    """Return the scenario for ``vessel``; as it is if its vessel is not known here, and so neither is its scale."""
+    if scenario.scale == vessel.scale:
+        return scenario
+    try:
+        own = load_vessel(scenario.vessel)
+    except UnknownNameError:
+        return scenario
+    if (scenario.scale or own.scale) == vessel.scale:
+        return scenario
+    from dp_tools.scenario_scale import scaled_scenario  # it is made of what stands here
+
+    return scaled_scenario(scenario, own, vessel)
+
+
+def _problems(scenario: Scenario, document: YamlDocument, vessel: Vessel) -> Iterator[str]:
     for field, message in (
         *_time_problems(scenario, vessel.measurement.sample_time),
         *_window_problems(scenario),

@@ -9,26 +9,32 @@ from pydantic import Field, model_validator
 
 from marine_model.matrix_checks import require_positive_definite, require_symmetric
 from marine_model.schema import FieldError, Matrix3, NonNegativeVector3, Positive, Section, Vector3
+from marine_model.units import Unit
+
+# Surge, sway, yaw.
+MassMatrix = Annotated[Matrix3, Unit("kg, kg, kg m; kg, kg, kg m; kg m, kg m, kg m^2")]
+DampingMatrix = Annotated[Matrix3, Unit("N s/m, N s/m, N s; N s/m, N s/m, N s; N s, N s, N m s")]
 
 
 class Particulars(Section):
     """Main dimensions, at the scale of the file."""
 
-    length: Positive  # m, between perpendiculars
-    beam: Positive  # m
-    draught: Positive  # m
-    mass: Positive  # kg
-    # rad, positive with the bow down; beyond what a ship floats at it is taken for degrees.
-    trim: Annotated[float, Field(ge=-0.3, le=0.3)] = 0.0
+    length: Annotated[Positive, Unit("m")]  # between perpendiculars
+    beam: Annotated[Positive, Unit("m")]
+    draught: Annotated[Positive, Unit("m")]
+    mass: Annotated[Positive, Unit("kg")]
+    # Positive with the bow down; beyond what a ship floats at it is taken for degrees.
+    trim: Annotated[float, Field(ge=-0.3, le=0.3), Unit("rad")] = 0.0
 
 
 class Manoeuvring(Section):
     """Low-frequency model: (M_RB + M_A) nu_dot + C(nu) nu + D nu + D_q |nu| nu = tau (Fossen)."""
 
-    rigid_body_mass: Matrix3  # kg, kg m, kg m^2
-    added_mass: Matrix3
-    linear_damping: Matrix3  # N s/m, N s, N m s
-    quadratic_damping: NonNegativeVector3  # N s^2/m^2, N s^2/m^2, N m s^2; acts on relative velocity
+    rigid_body_mass: MassMatrix
+    added_mass: MassMatrix
+    linear_damping: DampingMatrix
+    # Acts on relative velocity.
+    quadratic_damping: Annotated[NonNegativeVector3, Unit("N s^2/m^2, N s^2/m^2, N m s^2")]
 
     @model_validator(mode="after")
     def _physical(self) -> Self:
@@ -50,9 +56,9 @@ class WaveForces(Section):
     Data file: motion and drift of ``marine_model.wave_response``, the drift times ``drift_factor``.
     """
 
-    drift_coefficient: Vector3 | None = None
+    drift_coefficient: Annotated[Vector3, Unit("1")] | None = None
     response: Annotated[str, Field(min_length=1)] | None = None
-    drift_factor: Positive = 1.0
+    drift_factor: Annotated[Positive, Unit("1")] = 1.0
 
     @model_validator(mode="after")
     def _box_or_file(self) -> Self:

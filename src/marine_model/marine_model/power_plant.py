@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from marine_model.schema import Positive, Section
+from marine_model.units import Unit
 
 
 class PowerBus(Section):
@@ -14,11 +15,11 @@ class PowerBus(Section):
 
     name: str = Field(min_length=1, pattern=r"^[a-z][a-z0-9_]*$")
     thrusters: Annotated[tuple[str, ...], Field(strict=False, min_length=1)]  # by name, in any order
-    limit: Positive | None = None  # W, P_bus; none when absent
+    limit: Annotated[Positive | None, Unit("W")] = None  # P_bus; none when absent
 
 
 class PowerPlant(Section):
     """Power of all thrusters together, and by bus. A thruster on no bus counts for the total alone."""
 
-    available: Positive | None = None  # W, P_AV; no limit when absent
+    available: Annotated[Positive | None, Unit("W")] = None  # P_AV; no limit when absent
     buses: Annotated[tuple[PowerBus, ...], Field(strict=False)] = ()

@@ -14,6 +14,7 @@ from marine_model.propellers import BollardPropellers, PropellerModel
 from marine_model.schema import FieldError, Positive, Section
 from marine_model.shaft_limits import check_shaft_limits
 from marine_model.thruster import Thruster
+from marine_model.units import Unit
 from marine_model.ventilation.data import VentilationData
 
 
@@ -28,7 +29,7 @@ class Propulsion(Section):
     """Thrusters with water, gains, sensors and time step. Arrays have shape (n,) and the order of ``thrusters``."""
 
     name: str = Field(min_length=1)
-    density: Positive  # kg/m^3
+    density: Annotated[Positive, Unit("kg/m^3")]
     thrusters: Annotated[tuple[Thruster, ...], Field(strict=False, min_length=1)]
     drivers: DriverGains
     measurement: Measurement

@@ -6,6 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
+from marine_model.units import Unit
+
 
 class FieldError(ValueError):
     """Raised by a validator of a section to blame one field in it, ``field`` from the section on."""
@@ -23,7 +25,7 @@ class Section(BaseModel):
 
 Positive = Annotated[float, Field(gt=0.0)]
 NonNegative = Annotated[float, Field(ge=0.0)]
-Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
+Fraction = Annotated[float, Field(ge=0.0, le=1.0), Unit("1")]
 
 # YAML knows lists only; strict mode would refuse them for tuples without this.
 Vector3 = Annotated[tuple[float, float, float], Field(strict=False)]

@@ -9,19 +9,20 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from marine_model.schema import FieldError, Fraction, Section
+from marine_model.units import Unit
 
 _TWO_PI = 2.0 * math.pi
 # rad; ends this close are one end. Far above the rounding of degrees into radians, far below what a thruster can do.
 ANGLE_TOLERANCE = 1e-9
 
-Direction = Annotated[float, Field(ge=-math.pi, le=math.pi)]
+Direction = Annotated[float, Field(ge=-math.pi, le=math.pi), Unit("rad")]
 
 
 class Sector(Section):
     """Directions from ``start`` to ``end``, turning with increasing azimuth; may pass through pi."""
 
-    start: Direction  # rad
-    end: Direction  # rad
+    start: Direction
+    end: Direction
     kind: Literal["forbidden", "reduced"]
     # Share of thrust.max: forbidden, while the thruster passes; reduced, while it points there.
     thrust_factor: Fraction = 1.0

@@ -37,7 +37,8 @@ def setting(
     description
         One sentence for the operator.
     unit
-        SI unit, shown with the description.
+        SI unit, shown with the description; "1" for a plain number. Every floating-point number needs one, because
+        Froude's law scales by it. Where the elements of a vector differ, one for each: "N, N, N m".
     ge, le
         Closed range; refused outside.
     read_only

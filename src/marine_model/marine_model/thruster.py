@@ -9,14 +9,15 @@ from pydantic import Field, model_validator
 from marine_model.propellers.sections import PropellerData
 from marine_model.schema import FieldError, NonNegative, Positive, Section, Vector3
 from marine_model.sector import Direction, Sector, check_sectors
+from marine_model.units import Unit
 
 
 class ThrustLimits(Section):
     """Magnitude and rate limits of commanded thrust, [Ruth] (4.5)-(4.6)."""
 
-    min: float  # N, most negative thrust; 0 where the thruster cannot reverse
-    max: Positive  # N
-    rate: Positive  # N/s, largest rate of change either way
+    min: Annotated[float, Unit("N")]  # most negative thrust; 0 where the thruster cannot reverse
+    max: Annotated[Positive, Unit("N")]
+    rate: Annotated[Positive, Unit("N/s")]  # largest rate of change either way
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -30,8 +31,8 @@ class ThrustLimits(Section):
 class AzimuthLimits(Section):
     """Direction of the thruster force, [Ruth] (4.8)-(4.9)."""
 
-    fixed: Direction  # rad, direction when held fixed
-    rate: Positive  # rad/s, largest turning rate
+    fixed: Direction  # direction when held fixed
+    rate: Annotated[Positive, Unit("rad/s")]  # largest turning rate
     sectors: Annotated[tuple[Sector, ...], Field(strict=False)] = ()
 
     @model_validator(mode="after")
@@ -43,21 +44,21 @@ class AzimuthLimits(Section):
 class ShaftDrive(Section):
     """Motor and shaft, referred to the propeller shaft."""
 
-    inertia: Positive  # kg m^2, rotor, shaft, propeller and entrained water
-    torque_max: Positive  # N m, motor torque limit either way
-    friction_static: NonNegative  # N m, Coulomb friction
-    friction_viscous: NonNegative  # N m s (per Hz of shaft speed)
-    power_max: Positive | None = None  # W, largest |2 pi n Q| of the motor; none when absent
-    speed_max: Positive | None = None  # Hz, largest shaft speed either way; none when absent
+    inertia: Annotated[Positive, Unit("kg m^2")]  # rotor, shaft, propeller and entrained water
+    torque_max: Annotated[Positive, Unit("N m")]  # motor torque limit either way
+    friction_static: Annotated[NonNegative, Unit("N m")]  # Coulomb friction
+    friction_viscous: Annotated[NonNegative, Unit("N m s")]  # per Hz of shaft speed
+    power_max: Annotated[Positive | None, Unit("W")] = None  # largest |2 pi n Q| of the motor; none when absent
+    speed_max: Annotated[Positive | None, Unit("Hz")] = None  # largest shaft speed either way; none when absent
 
 
 class PitchDrive(Section):
     """Pitch actuator of a controllable-pitch propeller: a first-order lag with a largest rate."""
 
-    min: float  # P/D
-    max: float  # P/D
-    rate: Positive  # 1/s, largest rate of change of P/D
-    time_constant: Positive  # s
+    min: Annotated[float, Unit("1")]  # P/D
+    max: Annotated[float, Unit("1")]  # P/D
+    rate: Annotated[Positive, Unit("1/s")]  # largest rate of change of P/D
+    time_constant: Annotated[Positive, Unit("s")]
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -89,13 +90,14 @@ def check_pitch(propeller: PropellerData, low: float, high: float) -> None:
 class AzimuthDrive(Section):
     """Azimuth motor: a rate servo."""
 
-    rate_max: Positive  # rad/s, what the motor can do
-    time_constant: Positive  # s, first-order lag from demanded to actual rate
+    rate_max: Annotated[Positive, Unit("rad/s")]  # what the motor can do
+    time_constant: Annotated[Positive, Unit("s")]  # first-order lag from demanded to actual rate
 
 
 class _Thruster(Section):
     name: str = Field(min_length=1, pattern=r"^[a-z][a-z0-9_]*$")
-    position: Vector3  # m, body frame, from the calm waterline: ahead, to starboard, down (the depth of the shaft)
+    # Body frame, from the calm waterline: ahead, to starboard, down (the depth of the shaft)
+    position: Annotated[Vector3, Unit("m")]
     thrust: ThrustLimits
     propeller: PropellerData
     pitch: PitchDrive | None = None  # a controllable-pitch propeller; none when absent
@@ -112,7 +114,7 @@ class TunnelThruster(_Thruster):
     """A thruster whose direction never changes."""
 
     type: Literal["tunnel"]
-    direction: Direction  # rad, 0 ahead, positive to starboard
+    direction: Direction  # 0 ahead, positive to starboard
 
     @property
     def fixed_direction(self) -> float:

@@ -17,6 +17,7 @@ from marine_model.schema import FieldError, Positive
 from marine_model.sector import Sector
 from marine_model.thruster import AzimuthThruster
 from marine_model.thruster_configuration import cartesian_configuration
+from marine_model.units import Unit
 from marine_model.wave_response import WaveResponse, load_wave_response
 from marine_model.wind import WindForces
 
@@ -25,7 +26,7 @@ class Vessel(Propulsion):
     """One vessel file. Arrays over thrusters have shape (n,) and the order of the file."""
 
     description: str
-    scale: Positive  # length of the ship over length of what this file describes
+    scale: Annotated[Positive, Unit("")]  # length of the ship over length of what this file describes
     degrees_of_freedom: Annotated[tuple[Literal["surge"], Literal["sway"], Literal["yaw"]], Field(strict=False)]
     hull: Particulars
     manoeuvring: Manoeuvring

@@ -14,6 +14,7 @@ from pydantic import Field, model_validator
 
 from marine_model.guards import FloatArray
 from marine_model.schema import FieldError, Fraction, NonNegative, Positive, Section
+from marine_model.units import Unit
 
 # Columns of WindForces.constants.
 FRONTAL, LATERAL, LENGTH, AHEAD, TRANSVERSE, BOW, STERN, CROSS, AREA_RATIO = range(9)
@@ -28,9 +29,9 @@ class BlendermannCoefficients(Section):
     """Resistance coefficients of one class of ship, W. Blendermann (1994); Fossen (2011), Table 8.1."""
 
     model: Literal["blendermann"]
-    transverse: Positive  # CD_t
-    longitudinal_bow: NonNegative  # CD_l,AF in head wind
-    longitudinal_stern: NonNegative  # CD_l,AF in following wind
+    transverse: Annotated[Positive, Unit("1")]  # CD_t
+    longitudinal_bow: Annotated[NonNegative, Unit("1")]  # CD_l,AF in head wind
+    longitudinal_stern: Annotated[NonNegative, Unit("1")]  # CD_l,AF in following wind
     cross_force: Fraction  # delta
 
 
@@ -39,7 +40,9 @@ class TabulatedCoefficients(Section):
 
     model: Literal["table"]
     # [gamma (rad), C_X, C_Y, C_N]: gamma from 0 (head wind) over wind from port to pi (following wind).
-    rows: Annotated[tuple[Annotated[tuple[float, float, float, float], Field(strict=False)], ...], Field(strict=False)]
+    rows: Annotated[
+        tuple[Annotated[tuple[float, float, float, float], Field(strict=False)], ...], Field(strict=False), Unit("1")
+    ]
 
     @model_validator(mode="after")
     def _half_a_turn(self) -> Self:
@@ -64,12 +67,12 @@ class WindForces(Section):
     X = q A_F C_X, Y = q A_L C_Y, N = q A_L L C_N with q = rho V_rw^2 / 2; Fossen (2011), 8.1.
     """
 
-    length: Positive  # m, over all
-    frontal_area: Positive  # m^2, A_F
-    lateral_area: Positive  # m^2, A_L
-    centroid_ahead: float  # m, s_L: centroid of A_L ahead of the origin
-    centroid_height: Positive  # m, of A_L above the waterline: where the wind is taken
-    density: Positive = 1.247  # kg/m^3, of air at 10 deg C
+    length: Annotated[Positive, Unit("m")]  # over all
+    frontal_area: Annotated[Positive, Unit("m^2")]  # A_F
+    lateral_area: Annotated[Positive, Unit("m^2")]  # A_L
+    centroid_ahead: Annotated[float, Unit("m")]  # s_L: centroid of A_L ahead of the origin
+    centroid_height: Annotated[Positive, Unit("m")]  # of A_L above the waterline: where the wind is taken
+    density: Annotated[Positive, Unit("kg/m^3")] = 1.247  # of air at 10 deg C
     coefficients: Annotated[BlendermannCoefficients | TabulatedCoefficients, Field(discriminator="model")]
 
     def constants(self) -> FloatArray:

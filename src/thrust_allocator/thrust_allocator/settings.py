@@ -30,7 +30,11 @@ class SectorSettings(Settings):
 
     enabled: bool = setting(False, "Keep rotating thrusters out of the forbidden sectors of the vessel file")
     hysteresis: float = setting(
-        0.04, "How much lower log10 of the cost must be to turn a thruster for it, J_lim", ge=0.0, le=10.0
+        0.04,
+        "How much lower log10 of the cost must be to turn a thruster for it, J_lim",
+        unit="decades",
+        ge=0.0,
+        le=10.0,
     )
     dwell_time: float = setting(
         3.0, "Least time between two passages through forbidden sectors, t_lim", unit="s", ge=0.0, le=3600.0
@@ -72,13 +76,15 @@ class AntiSpinSettings(Settings):
 
     enabled: bool = setting(False, "Raise the cost of thrusters that draw air, as ventilation tells")
     exponent_m: float = setting(
-        0.65, "m in beta_Q = beta_T^m: how torque goes with thrust when air is drawn", ge=0.5, le=1.5
+        0.65, "m in beta_Q = beta_T^m: how torque goes with thrust when air is drawn", unit="1", ge=0.5, le=1.5
     )
     relax_rate: float = setting(
         0.1, "How fast a torque loss is forgotten, largest rise of beta_Q2", unit="1/s", ge=1e-3, le=100.0
     )
     # Table 2.5 in (2.51): 0.87 * 0.05 + 0.13 is what is left of the torque in full ventilation.
-    loss_min: float = setting(0.17, "Torque loss factor below which the cost rises no further", ge=0.1, le=1.0)
+    loss_min: float = setting(
+        0.17, "Torque loss factor below which the cost rises no further", unit="1", ge=0.1, le=1.0
+    )
     excluded: Switches = setting((), "Per thruster: true for one whose cost stays, whatever it is said to draw")
     timeout: float = setting(
         1.0, "Age from which ventilation counts as unknown, and losses are forgotten", unit="s", ge=1e-3, le=3600.0

@@ -159,7 +159,7 @@ class SimulatorSettings(Settings):
     )
     sensor_noise: bool = setting(True, "Sensors have the noise that the vessel file gives them")
     pose_dropout: float = setting(
-        0.0, "Chance that a pose is lost, on top of the vessel file's dropout", ge=0.0, le=1.0
+        0.0, "Chance that a pose is lost, on top of the vessel file's dropout", unit="1", ge=0.0, le=1.0
     )
 
     @classmethod

@@ -37,7 +37,8 @@ def problems(path: Path) -> list[str]:
 
 
 def test_what_is_shipped() -> None:
-    assert vessel_names() == ("cybership3", "cybership3_ch7", "cybership3_trimmed")
+    shipped = "cybership3", "cybership3_ch7", "cybership3_full_scale", "cybership3_trimmed", "drillship"
+    assert vessel_names() == shipped
     for name in vessel_names():
         vessel = load_vessel(name)
         assert isinstance(vessel, Vessel)
@@ -379,7 +380,7 @@ def test_every_problem_is_reported_at_once(tmp_path: Path) -> None:
 def test_an_unknown_vessel_is_answered_with_the_known_ones(name: str) -> None:
     with pytest.raises(UnknownNameError) as caught:
         load_vessel(name)
-    expected = f"vessel: expected a path or one of cybership3, cybership3_ch7, cybership3_trimmed, found '{name}'"
+    expected = f"vessel: expected a path or one of {', '.join(vessel_names())}, found '{name}'"
     assert str(caught.value) == expected
 
 
@@ -439,9 +440,7 @@ class TestExtends:
         path = write(tmp_path, "name: x\nextends: cybership9\n")
         with pytest.raises(UnknownNameError) as caught:
             load_vessel(path)
-        expected = (
-            "vessel: expected a path or one of cybership3, cybership3_ch7, cybership3_trimmed, found 'cybership9'"
-        )
+        expected = f"vessel: expected a path or one of {', '.join(vessel_names())}, found 'cybership9'"
         assert str(caught.value) == f"{path}:2: extends: {expected}"
 
     @pytest.mark.parametrize("value", ["", "3", "[cybership3]"])

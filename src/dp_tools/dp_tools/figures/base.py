@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -14,12 +14,15 @@ from dp_tools.run_data import RunData
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from marine_model.schema import Section
+from marine_model.units import Unit
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
 
 # How a number is shown: with its unit, as a change in per cent with a sign, or as a share in per cent.
 Shown = Literal["quantity", "change", "share"]
+# A number in the unit of the figure, which depends on its other fields.
+InFiguresUnit = Annotated[float | None, Unit("")]
 
 
 @dataclass(frozen=True)
@@ -52,11 +55,11 @@ class FigureSpec(Section):
 
     name: str = Field(pattern=r"^[a-z][a-z0-9_]*$")  # in figures.json
     title: str = Field(min_length=1)  # in the report
-    thesis: float | None = None  # what the thesis prints, in the figure's unit
+    thesis: InFiguresUnit = None  # what the thesis prints
     source: str = ""  # where it is printed
     reason: str = ""  # why ours may differ, or why the thesis has no number
-    at_most: float | None = None  # bounds that must hold
-    at_least: float | None = None
+    at_most: InFiguresUnit = None  # bounds that must hold
+    at_least: InFiguresUnit = None
 
     @property
     @abstractmethod

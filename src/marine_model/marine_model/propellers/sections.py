@@ -13,21 +13,23 @@ from marine_model.propellers.four_quadrant import FourQuadrantPropeller, series_
 from marine_model.propellers.tabulated import TabulatedPropeller, pitch_range, table_fault
 from marine_model.propellers.wageningen_b import AREA_RATIO, BLADES, PITCH_RATIO, WageningenBPropeller
 from marine_model.schema import FieldError, Positive, Section
+from marine_model.units import Unit
 
-Numbers = Annotated[tuple[float, ...], Field(strict=False)]
-NumberRows = Annotated[tuple[Numbers, ...], Field(strict=False)]
+Numbers = Annotated[tuple[float, ...], Field(strict=False), Unit("1")]
+NumberRows = Annotated[tuple[Numbers, ...], Field(strict=False), Unit("1")]
+Plain = Annotated[Positive, Unit("1")]
 
 
 class BollardData(Section):
     """Open-water data near zero advance number, [Ruth] (3.4)-(3.7)."""
 
     model: Literal["bollard"] = "bollard"
-    diameter: Positive  # m
-    pitch_ratio: Positive  # P/D
-    thrust_coefficient: Positive  # K_T(J=0)
-    torque_coefficient: Positive  # K_Q(J=0)
-    thrust_slope: Annotated[float, Field(le=0.0)] = 0.0  # a_T, dK_T/dJ
-    torque_slope: Annotated[float, Field(le=0.0)] = 0.0  # a_Q, dK_Q/dJ
+    diameter: Annotated[Positive, Unit("m")]
+    pitch_ratio: Plain  # P/D
+    thrust_coefficient: Plain  # K_T(J=0)
+    torque_coefficient: Plain  # K_Q(J=0)
+    thrust_slope: Annotated[float, Field(le=0.0), Unit("1")] = 0.0  # a_T, dK_T/dJ
+    torque_slope: Annotated[float, Field(le=0.0), Unit("1")] = 0.0  # a_Q, dK_Q/dJ
 
     def build(self) -> PropellerModel:
         """Return the model."""
@@ -45,10 +47,10 @@ class WageningenBData(Section):
     """A propeller of the Wageningen B-series."""
 
     model: Literal["wageningen_b"]
-    diameter: Positive  # m
+    diameter: Annotated[Positive, Unit("m")]
     blades: Annotated[int, Field(ge=BLADES[0], le=BLADES[1])]  # Z
-    area_ratio: Annotated[float, Field(ge=AREA_RATIO[0], le=AREA_RATIO[1])]  # A_E/A_0
-    pitch_ratio: Annotated[float, Field(ge=PITCH_RATIO[0], le=PITCH_RATIO[1])]  # P/D
+    area_ratio: Annotated[float, Field(ge=AREA_RATIO[0], le=AREA_RATIO[1]), Unit("1")]  # A_E/A_0
+    pitch_ratio: Annotated[float, Field(ge=PITCH_RATIO[0], le=PITCH_RATIO[1]), Unit("1")]  # P/D
 
     def build(self) -> PropellerModel:
         """Return the model."""
@@ -78,8 +80,8 @@ class FourQuadrantData(Section):
     """A propeller in four quadrants."""
 
     model: Literal["four_quadrant"]
-    diameter: Positive  # m
-    pitch_ratio: Positive  # P/D
+    diameter: Annotated[Positive, Unit("m")]
+    pitch_ratio: Plain  # P/D
     series: FourQuadrantSeries  # in the vessel file, or read by load_vessel from what it names under ``file``
 
     @model_validator(mode="after")
@@ -122,8 +124,8 @@ class TabulatedData(Section):
     """A propeller known from a table."""
 
     model: Literal["tabulated"]
-    diameter: Positive  # m
-    pitch_ratio: Positive  # P/D
+    diameter: Annotated[Positive, Unit("m")]
+    pitch_ratio: Plain  # P/D
     table: PropellerTable  # in the vessel file, or read by load_vessel from what it names under ``file``
 
     @model_validator(mode="after")

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, NamedTuple, Self
+from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from marine_model.guards import FloatArray
 from marine_model.schema import FieldError, Fraction, NonNegative, Positive, Section
+from marine_model.units import Unit
 from marine_model.ventilation import table
 
 # Numbers of a file are decimal fractions; a sum such as 0.87 + 0.13 may be off by a rounding or two.
 _ROUNDING = 1e-12
+
+Plain = Annotated[float, Unit("1")]
 
 _HIGH, _LOW = table.HIGH_LOSS_FACTOR, table.LOW_LOSS_FACTOR
 
@@ -44,21 +47,21 @@ class VentilationData(Section):
     - torque loss factors lie in [0, 1] and do not fall when the thrust loss factor rises.
     """
 
-    a_08_plus: float
-    b_08_plus: float
-    a_08_minus: float
-    b_08_minus: float
-    a_02_plus: float
-    b_02_plus: float
-    a_02_minus: float
-    b_02_minus: float
+    a_08_plus: Plain
+    b_08_plus: Plain
+    a_08_minus: Plain
+    b_08_minus: Plain
+    a_02_plus: Plain
+    b_02_plus: Plain
+    a_02_minus: Plain
+    b_02_minus: Plain
     beta_tw_max: Fraction
     beta_tw_min: Fraction
-    a_q: NonNegative
-    b_q: float
-    thrust_rise_rate: Positive  # 1/s, largest rate of rise of beta_Tw, (2.52)
-    torque_rise_rate: Positive  # 1/s, of beta_Qw, (2.53)
-    time_shift: NonNegative  # s by which the losses lead their quasi-static values
+    a_q: Annotated[NonNegative, Unit("1")]
+    b_q: Plain
+    thrust_rise_rate: Annotated[Positive, Unit("1/s")]  # largest rate of rise of beta_Tw, (2.52)
+    torque_rise_rate: Annotated[Positive, Unit("1/s")]  # of beta_Qw, (2.53)
+    time_shift: Annotated[NonNegative, Unit("s")]  # by which the losses lead their quasi-static values
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

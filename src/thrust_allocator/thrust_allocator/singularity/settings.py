@@ -19,7 +19,9 @@ class SingularitySettings(Settings):
     method: Literal["none", "three_step", "required_gain", "crossing"] = setting(
         "none", "How rotating thrusters are kept from configurations of small gain"
     )
-    gain_limit: float | None = setting(None, "Least minimum gain, sigma_lim; unset: the vessel's", ge=0.0, le=10.0)
+    gain_limit: float | None = setting(
+        None, "Least minimum gain, sigma_lim; unset: the vessel's", unit="1", ge=0.0, le=10.0
+    )
     dwell_time: float | None = setting(
         None, "How long the gain must have been sufficient before three_step turns, t_lim; unset: the vessel's",
         unit="s", ge=0.0, le=600.0,
@@ -39,23 +41,31 @@ class SingularitySettings(Settings):
     release: bool = setting(True, "Whether a locked three_step turns to the best configuration of sufficient gain")
     demand_margin: float = setting(
         0.05, "Scaled force that must be left along the weakest direction for a crossing to begin at once",
-        ge=0.0, le=10.0,
+        unit="1", ge=0.0, le=10.0,
     )  # fmt: skip
     patience: float = setting(
-        1.0, "A crossing begins when waiting has cost this many times what crossing costs", ge=0.0, le=1e6
+        1.0, "A crossing begins when waiting has cost this many times what crossing costs", unit="1", ge=0.0, le=1e6
     )
     shortfall_price: float = setting(
-        5.0, "Seconds of turning that are worth one second less of insufficient gain", ge=0.0, le=1e6
+        5.0, "Seconds of turning that are worth one second less of insufficient gain", unit="1", ge=0.0, le=1e6
     )
     reduced_share: float = setting(
-        0.8, "Where the thrusters left cannot reach gain_limit: share of the best gain they can reach", ge=0.0, le=1.0
+        0.8,
+        "Where the thrusters left cannot reach gain_limit: share of the best gain they can reach",
+        unit="1",
+        ge=0.0,
+        le=1.0,
     )
     monitor: Literal["none", "global", "local", "horizon", "all"] = setting(
         "global", "Which minimum gains are computed and published"
     )
     horizon: float = setting(1.0, "Time in which azimuths may turn for the horizon gain", unit="s", ge=0.0, le=600.0)
     required_change: float = setting(
-        0.1, "Share of its limits by which a thrust must be able to change, for the local gain", ge=0.0, le=1.0
+        0.1,
+        "Share of its limits by which a thrust must be able to change, for the local gain",
+        unit="1",
+        ge=0.0,
+        le=1.0,
     )
 
 

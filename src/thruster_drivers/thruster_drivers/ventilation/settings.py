@@ -24,10 +24,14 @@ class VentilationSettings(Settings):
         "Conditions (5.14) at every feedback, or (B.41)-(B.43) at every sample of the control system",
     )
     on: float = setting(
-        0.0, "Loss factor beta_Q below which a propeller ventilates; 0 takes the vessel file's", ge=0.0, le=1.0
+        0.0,
+        "Loss factor beta_Q below which a propeller ventilates; 0 takes the vessel file's",
+        unit="1",
+        ge=0.0,
+        le=1.0,
     )
     off: float = setting(
-        0.0, "Loss factor beta_Q above which it no longer does; 0 takes the vessel file's", ge=0.0, le=1.0
+        0.0, "Loss factor beta_Q above which it no longer does; 0 takes the vessel file's", unit="1", ge=0.0, le=1.0
     )
     speed_min: Speeds = setting(
         (),
@@ -80,13 +84,14 @@ class AntiSpinSettings(Settings):
         False, "Reduce thrust while a propeller ventilates and keep every shaft below its speed limit"
     )
     thrust_floor: float = setting(
-        0.2, "Least share of the demanded thrust that is left while ventilating", ge=0.0, le=1.0
+        0.2, "Least share of the demanded thrust that is left while ventilating", unit="1", ge=0.0, le=1.0
     )
     reduction_rate: float = setting(10.0, "Rate at which the share falls", unit="1/s", ge=0.1, le=1000.0)
     release_rate: float = setting(0.5, "Rate at which the share rises again", unit="1/s", ge=0.001, le=100.0)
     speed_limit: float = setting(
         1.2,
         "Shaft speed that no motor goes beyond, over that of the largest thrust at zero advance speed",
+        unit="1",
         ge=1.0,
         le=5.0,
     )
