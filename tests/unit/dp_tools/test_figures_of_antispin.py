@@ -173,6 +173,14 @@ def test_windows_of_a_side_count_together(run: RunData, vessel: Vessel) -> None:
     assert single.value == pytest.approx(-0.25)
 
 
+def test_a_manoeuvre_has_no_interval_from_one_run(run: RunData, vessel: Vessel) -> None:
+    power = {"kind": "mean_power", "window": "first"}
+    steady, transient = measured(run, vessel, power, power | {"transient": True})
+    assert transient.value == steady.value
+    assert steady.low is not None
+    assert (transient.low, transient.high) == (None, None)
+
+
 def test_every_window_of_a_side_must_be_there() -> None:
     spec = {"name": "x", "kind": "mean_power_change", "title": "X", "baseline": ["a", "b"], "compared": "c"}
     scenario = Scenario.model_validate(

@@ -68,6 +68,8 @@ class FigureSpec(Section):
     reason: str = ""  # why ours may differ, or why the thesis has no number
     at_most: float | None = None  # bounds that must hold
     at_least: float | None = None
+    # The windows hold a manoeuvre instead of a steady state: the scatter within one run says nothing, so no interval.
+    transient: bool = False
 
     @property
     @abstractmethod

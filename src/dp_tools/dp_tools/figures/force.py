@@ -59,7 +59,9 @@ class ForceLevelChange(ComparedFigure):
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the relative change."""
         series = _force(self.force, run, vessel)
-        levels = [column(series, scenario, windows, AXES.index(self.axis)) for windows in (self.baseline, self.compared)]
+        levels = [
+            column(series, scenario, windows, AXES.index(self.axis)) for windows in (self.baseline, self.compared)
+        ]
         return Measurement.of(relative_change, *levels)
 
 

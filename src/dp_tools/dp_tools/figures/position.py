@@ -53,7 +53,9 @@ class PositionErrorChange(ComparedFigure):
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the relative change of the statistic."""
         error = position_error(run, f"{self.of}_position")
-        sides = [column(error, scenario, windows, PLACES.index(self.axis)) for windows in (self.baseline, self.compared)]
+        sides = [
+            column(error, scenario, windows, PLACES.index(self.axis)) for windows in (self.baseline, self.compared)
+        ]
         return Measurement.of(relative_change_of(std if self.statistic == "std" else rms), *sides)
 
 
