@@ -36,9 +36,10 @@ def short_run_c(folder: Path, **fields: Any) -> Path:
     The port thruster draws air from 7 s on.
     """
     content = yaml.safe_load((SCENARIOS / "run_c.yaml").read_text(encoding="utf-8"))
-    for section in ("windows", "close_ups", "figures"):
+    for section in ("windows", "close_ups", "plots", "figures"):
         del content[section]
     content["duration"] = 14.0
+    content["events"] = content["events"][:4]
     for event, at in zip(content["events"], (0.0, 8.0, 10.0, 12.0), strict=True):
         event["at"] = at
     path = folder / "short_run_c.yaml"

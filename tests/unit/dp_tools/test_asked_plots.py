@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from typing import get_args
+from pathlib import Path
+from typing import Any, get_args
 
 import pytest
+from pydantic import ValidationError
 
 from dp_tools.plot_specs import PlotSpec
 from dp_tools.plot_specs.overlay import Overlay
+from dp_tools.plot_specs.overlay_panels import OverlayPanels
+from dp_tools.plot_specs.spectra import Spectra
+from dp_tools.plot_specs.thrust_and_loss import ThrustAndLoss
 from dp_tools.report.asked import _DRAWN_BY, asked_pictures
 from dp_tools.report.scene import Scene
 from dp_tools.report.style import plot_style
+from dp_tools.report.thrust_and_loss import antispin_flag
 from dp_tools.run_data import RunData
-from dp_tools.scenario import Scenario, load_scenario
+from dp_tools.scenario import Event, Scenario, load_scenario
 from marine_model import Vessel, load_vessel
+from marine_model.errors import DocumentError
 from support.repository import SCENARIOS
 from support.synthetic_run import synthetic_run
 
@@ -49,3 +56,100 @@ def test_windows_are_laid_over_one_another(series: str, run: RunData, vessel: Ve
     assert picture.title == "Terms"
     assert picture.image.startswith("data:image/svg+xml;base64,")
     assert "off, on" in picture.alt
+
+
+GROUPS = {"off": ("fixed",), "on": ("rotating",)}
+
+
+@pytest.mark.parametrize(
+    ("spec", "words"),
+    [
+        (
+            OverlayPanels.model_validate(
+                {
+                    "kind": "overlay_panels",
+                    "title": "Panels",
+                    "groups": GROUPS,
+                    "panels": [
+                        {"series": "total_power"},
+                        {"series": "thrust_command", "thruster": "azimuth_port"},
+                        {"series": "azimuth_command", "thruster": "azimuth_bow"},
+                        {"series": "beta_q2", "thruster": "azimuth_port"},
+                    ],
+                }
+            ),
+            "total power (W), thrust (N) azimuth_port, direction (deg) azimuth_bow, β_Q2 (1) azimuth_port",
+        ),
+        (
+            Spectra.model_validate(
+                {"kind": "spectra", "title": "S", "signal": "total_power", "groups": GROUPS, "marked": [1.25]}
+            ),
+            "total power",
+        ),
+        (
+            Spectra.model_validate(
+                {
+                    "kind": "spectra",
+                    "title": "S",
+                    "signal": "motor_torque",
+                    "of": ["azimuth_port", "tunnel_bow"],
+                    "groups": GROUPS,
+                }
+            ),
+            "motor torque",
+        ),
+        (ThrustAndLoss.model_validate({"kind": "thrust_and_loss", "title": "T"}), "torque loss factor"),
+        (
+            ThrustAndLoss.model_validate({"kind": "thrust_and_loss", "title": "T", "window": "switch"}),
+            "Commanded thrust",
+        ),
+    ],
+)
+def test_a_scenario_gets_the_pictures_that_it_asks_for(
+    spec: PlotSpec, words: str, run: RunData, vessel: Vessel
+) -> None:
+    scenario = load_scenario(SCENARIOS / "run_a.yaml").model_copy(update={"plots": (spec,)})
+    with plot_style():
+        (picture,) = asked_pictures(Scene(run, scenario, vessel))
+    assert picture.title == spec.title
+    assert picture.image.startswith("data:image/svg+xml;base64,")
+    assert words in picture.alt
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "message"),
+    [
+        (Spectra, {"kind": "spectra", "signal": "motor_torque"}, "of: expected thrusters with motor_torque only"),
+        (Spectra, {"kind": "spectra", "signal": "total_power", "of": ["x"]}, "of: expected thrusters"),
+        (
+            OverlayPanels,
+            {"kind": "overlay_panels", "panels": [{"series": "total_power", "thruster": "x"}]},
+            "thruster: expected one with every series but total_power, found 'x'",
+        ),
+        (OverlayPanels, {"kind": "overlay_panels", "panels": [{"series": "beta_q2"}]}, "thruster: expected one"),
+    ],
+)
+def test_what_a_picture_cannot_be_made_of_is_refused(
+    kind: type[PlotSpec], fields: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValidationError, match=message):
+        kind.model_validate({"title": "T", "groups": GROUPS} | fields)
+
+
+def test_a_thruster_of_a_picture_must_be_there(tmp_path: Path) -> None:
+    text = (SCENARIOS / "run_d.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "x.yaml"
+    path.write_text(text.replace("of: [azimuth_bow, azimuth_port,", "of: [rudder, azimuth_port,"), encoding="utf-8")
+    with pytest.raises(DocumentError, match=r"of: expected one of tunnel_bow, .*, found 'rudder'"):
+        load_scenario(path)
+
+
+def test_the_flag_of_antispin_is_that_of_the_parameters() -> None:
+    def switch(at: float, state: bool) -> Event:
+        return Event(at=at, parameters={"thrust_allocator": {"antispin.enabled": state}})
+
+    events = (Event(at=0.0, setpoint=(0.0, 0.0, 0.0)), switch(10.0, True), switch(30.0, False))
+    scenario = load_scenario(SCENARIOS / "run_a.yaml").model_copy(update={"events": events})
+    flag = antispin_flag(scenario, 40.0)
+    assert flag.t.tolist() == [0.0, 10.0, 30.0, 40.0]
+    assert flag.values[:, 0].tolist() == [0.0, 1.0, 0.0, 0.0]

@@ -10,7 +10,7 @@ import typer
 from rich.table import Table
 
 from dp_tools.commands.root import console
-from dp_tools.run_files import FolderError
+from dp_tools.run_folder import FolderError
 from marine_model import load_vessel
 from marine_model.froude import scaled
 from marine_model.load import vessel_names

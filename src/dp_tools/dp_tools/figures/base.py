@@ -5,9 +5,9 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from dp_tools.interval import batch_jackknife
 from dp_tools.run_data import RunData
@@ -23,6 +23,17 @@ if TYPE_CHECKING:
 Shown = Literal["quantity", "change", "share"]
 # A number in the unit of the figure, which depends on its other fields.
 InFiguresUnit = Annotated[float | None, Unit("")]
+
+
+def _as_names(value: Any) -> Any:
+    """Return one name as a tuple of one, and a list as a tuple; what is neither is left for the schema to refuse."""
+    if isinstance(value, str):
+        return (value,)
+    return tuple(value) if isinstance(value, list) else value
+
+
+# One window, or several whose samples count together.
+Windows = Annotated[tuple[str, ...], BeforeValidator(_as_names), Field(min_length=1)]
 
 
 @dataclass(frozen=True)
@@ -60,6 +71,8 @@ class FigureSpec(Section):
     reason: str = ""  # why ours may differ, or why the thesis has no number
     at_most: InFiguresUnit = None  # bounds that must hold
     at_least: InFiguresUnit = None
+    # The windows hold a manoeuvre instead of a steady state: the scatter within one run says nothing, so no interval.
+    transient: bool = False
 
     @property
     @abstractmethod
@@ -96,12 +109,12 @@ class WindowFigure(FigureSpec):
 
 
 class ComparedFigure(FigureSpec):
-    """A figure of one window over that of another, minus one."""
+    """A figure of one window over that of another, minus one; several windows on a side count together."""
 
     shown: ClassVar[Shown] = "change"
 
-    baseline: str
-    compared: str
+    baseline: Windows
+    compared: Windows
 
     @property
     def unit(self) -> str:
@@ -110,4 +123,7 @@ class ComparedFigure(FigureSpec):
 
     def windows(self) -> tuple[tuple[str, str], ...]:
         """Return both windows."""
-        return ("baseline", self.baseline), ("compared", self.compared)
+        return (
+            *(("baseline", window) for window in self.baseline),
+            *(("compared", window) for window in self.compared),
+        )

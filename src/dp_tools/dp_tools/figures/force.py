@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from dp_tools.figures.base import Measurement, WindowFigure
-from dp_tools.figures.samples import AXES, FORCE_UNITS, Axis, column, mean, rms, std
+from dp_tools.figures.base import ComparedFigure, Measurement, WindowFigure
+from dp_tools.figures.samples import AXES, FORCE_UNITS, Axis, column, mean, relative_change, rms, std
 from dp_tools.run_data import RunData, Series
 from dp_tools.signals import measured_force
 from marine_model import Vessel
@@ -15,6 +15,9 @@ from marine_model.guards import FloatArray
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
+
+
+Force = Literal["tau_desired", "tau_achieved", "tau_measured"]
 
 
 class _ForceFigure(WindowFigure):
@@ -37,13 +40,29 @@ class ForceLevel(_ForceFigure):
     """Mean or standard deviation of a generalized force over a window, N or N m."""
 
     kind: Literal["force_level"]
-    force: Literal["tau_desired", "tau_achieved", "tau_measured"]
+    force: Force
     statistic: Literal["mean", "std"]
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the statistic."""
-        series = measured_force(run, vessel) if self.force == "tau_measured" else run[self.force]
+        series = _force(self.force, run, vessel)
         return Measurement.of(mean if self.statistic == "mean" else std, self._column(series, scenario))
+
+
+class ForceLevelChange(ComparedFigure):
+    """Mean of a generalized force over one window over that of another, minus one; negative where it became smaller."""
+
+    kind: Literal["force_level_change"]
+    force: Force
+    axis: Axis
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the relative change."""
+        series = _force(self.force, run, vessel)
+        levels = [
+            column(series, scenario, windows, AXES.index(self.axis)) for windows in (self.baseline, self.compared)
+        ]
+        return Measurement.of(relative_change, *levels)
 
 
 class ForceTracking(_ForceFigure):
@@ -78,3 +97,7 @@ class ForceJump(_ForceFigure):
         """Return the largest."""
         desired, achieved = (self._column(run[name], scenario) for name in ("tau_desired", "tau_achieved"))
         return Measurement(float((np.abs(np.diff(achieved)) - np.abs(np.diff(desired))).max()))
+
+
+def _force(name: Force, run: RunData, vessel: Vessel) -> Series:
+    return measured_force(run, vessel) if name == "tau_measured" else run[name]

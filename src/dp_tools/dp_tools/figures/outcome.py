@@ -66,7 +66,8 @@ def compute_figures(run: RunData, scenario: Scenario, vessel: Vessel) -> tuple[F
     figures = []
     for spec in scenario.figures:
         found = spec.measure(run, scenario, vessel)
-        figures.append(Figure(spec, found.value, found.low, found.high))
+        low, high = (None, None) if spec.transient else (found.low, found.high)
+        figures.append(Figure(spec, found.value, low, high))
     return tuple(figures)
 
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from dp_tools.figures.base import Measurement, WindowFigure
-from dp_tools.figures.samples import column, rms, std
+from dp_tools.figures.base import ComparedFigure, Measurement, WindowFigure
+from dp_tools.figures.samples import column, relative_change_of, rms, std
 from dp_tools.run_data import RunData
 from dp_tools.signals import position_error
 from marine_model import Vessel
@@ -40,3 +40,39 @@ class PositionError(WindowFigure):
         if self.statistic == "max":
             return Measurement(float(np.abs(error).max()))
         return Measurement.of(std if self.statistic == "std" else rms, error)
+
+
+class PositionErrorChange(ComparedFigure):
+    """Deviation from the reference over one window over that of another, minus one."""
+
+    kind: Literal["position_error_change"]
+    axis: Place
+    of: Literal["estimate", "truth"] = "estimate"
+    statistic: Literal["std", "rms"]
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the relative change of the statistic."""
+        error = position_error(run, f"{self.of}_position")
+        sides = [
+            column(error, scenario, windows, PLACES.index(self.axis)) for windows in (self.baseline, self.compared)
+        ]
+        return Measurement.of(relative_change_of(std if self.statistic == "std" else rms), *sides)
+
+
+class LargestErrorDelay(WindowFigure):
+    """Time from the newest event until the largest deviation from the reference in a window, s."""
+
+    kind: Literal["largest_error_delay"]
+    axis: Place
+
+    @property
+    def unit(self) -> str:
+        """Second."""
+        return "s"
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the time; None if no event came before."""
+        error = position_error(run, "estimate_position").window(*scenario.windows[self.window])
+        largest = float(error.t[np.nanargmax(np.abs(error.values[:, PLACES.index(self.axis)]))])
+        before = [event.at for event in scenario.events if event.at <= largest + 5e-7]  # stamps are whole ns
+        return Measurement(largest - before[-1] if before else None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 from dp_tools.figures.base import ComparedFigure, Measurement, WindowFigure
-from dp_tools.figures.samples import column, mean, relative_change
+from dp_tools.figures.samples import column, mean, relative_change, relative_change_of, std
 from dp_tools.run_data import RunData
 from dp_tools.signals import total_power
 from marine_model import Vessel
@@ -39,3 +39,15 @@ class MeanPowerChange(ComparedFigure):
         total = total_power(run)
         windows = [column(total, scenario, window, 0) for window in (self.baseline, self.compared)]
         return Measurement.of(relative_change, *windows)
+
+
+class PowerStdChange(ComparedFigure):
+    """Standard deviation of the developed power of one window over that of another, minus one."""
+
+    kind: Literal["power_std_change"]
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the relative change."""
+        total = total_power(run)
+        windows = [column(total, scenario, window, 0) for window in (self.baseline, self.compared)]
+        return Measurement.of(relative_change_of(std), *windows)

@@ -6,25 +6,47 @@ from typing import Annotated
 
 from pydantic import Field
 
-from dp_tools.figures.force import ForceDeviation, ForceJump, ForceLevel, ForceTracking
+from dp_tools.figures.control import ControlTermChange, ControlTermLevel, IntegralLag, IntegralLagChange
+from dp_tools.figures.force import ForceDeviation, ForceJump, ForceLevel, ForceLevelChange, ForceTracking
 from dp_tools.figures.joystick import TimeToDemand
-from dp_tools.figures.position import PositionError
-from dp_tools.figures.power import MeanPower, MeanPowerChange
-from dp_tools.figures.thruster import AzimuthStep, LimitViolations, ThrustLevel, ThrustLevelChange, VentilatingShare
+from dp_tools.figures.position import LargestErrorDelay, PositionError, PositionErrorChange
+from dp_tools.figures.power import MeanPower, MeanPowerChange, PowerStdChange
+from dp_tools.figures.spectrum import SpectralEnergy, SpectralEnergyRatio
+from dp_tools.figures.thruster import (
+    AzimuthStep,
+    LimitViolations,
+    ThrustLevel,
+    ThrustLevelChange,
+    TorqueLossChange,
+    TorqueLossLevel,
+    VentilatingShare,
+)
 
 AnyFigure = Annotated[
     MeanPower
     | MeanPowerChange
+    | PowerStdChange
+    | SpectralEnergy
+    | SpectralEnergyRatio
     | PositionError
+    | PositionErrorChange
+    | LargestErrorDelay
     | ForceLevel
+    | ForceLevelChange
     | ForceTracking
     | ForceDeviation
     | ForceJump
+    | ControlTermLevel
+    | ControlTermChange
+    | IntegralLag
+    | IntegralLagChange
     | TimeToDemand
     | AzimuthStep
     | ThrustLevel
     | ThrustLevelChange
     | VentilatingShare
+    | TorqueLossLevel
+    | TorqueLossChange
     | LimitViolations,
     Field(discriminator="kind"),
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -18,9 +19,10 @@ AXES: tuple[Axis, ...] = ("surge", "sway", "yaw")
 FORCE_UNITS = ("N", "N", "N m")
 
 
-def column(series: Series, scenario: Scenario, window: str, index: int) -> FloatArray:
-    """Return the finite samples of one column over a window."""
-    values = series.window(*scenario.windows[window]).values[:, index]
+def column(series: Series, scenario: Scenario, window: str | tuple[str, ...], index: int) -> FloatArray:
+    """Return the finite samples of one column over a window, or over several one after another."""
+    names = (window,) if isinstance(window, str) else window
+    values = np.concatenate([series.window(*scenario.windows[name]).values[:, index] for name in names])
     return values[np.isfinite(values)]
 
 
@@ -37,6 +39,15 @@ def std(x: FloatArray) -> float:
 def rms(x: FloatArray) -> float:
     """Return the root mean square."""
     return math.sqrt(float(np.mean(x * x)))
+
+
+def relative_change_of(statistic: Callable[[FloatArray], float]) -> Callable[[FloatArray, FloatArray], float]:
+    """Return the function (baseline, compared) -> statistic of ``compared`` over that of ``baseline``, minus one."""
+
+    def change(baseline: FloatArray, compared: FloatArray) -> float:
+        return statistic(compared) / statistic(baseline) - 1.0
+
+    return change
 
 
 def relative_change(baseline: FloatArray, compared: FloatArray) -> float:

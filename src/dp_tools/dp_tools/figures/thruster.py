@@ -78,6 +78,44 @@ class VentilatingShare(WindowFigure):
         return Measurement.of(mean, flags)
 
 
+class TorqueLossLevel(WindowFigure):
+    """Mean torque loss factor beta_Q2 that the drivers remember of one thruster, over a window."""
+
+    kind: Literal["torque_loss_level"]
+    thruster: str
+
+    @property
+    def unit(self) -> str:
+        """1: a ratio."""
+        return "1"
+
+    def thrusters(self) -> tuple[tuple[str, str], ...]:
+        """Return the thruster."""
+        return (("thruster", self.thruster),)
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the mean."""
+        losses = column(run["beta_q2"], scenario, self.window, run.thrusters.index(self.thruster))
+        return Measurement.of(mean, losses)
+
+
+class TorqueLossChange(ComparedFigure):
+    """Mean beta_Q2 of one thruster over one window over that of another, minus one; positive where it loses less."""
+
+    kind: Literal["torque_loss_change"]
+    thruster: str
+
+    def thrusters(self) -> tuple[tuple[str, str], ...]:
+        """Return the thruster."""
+        return (("thruster", self.thruster),)
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the relative change."""
+        j = run.thrusters.index(self.thruster)
+        losses = [column(run["beta_q2"], scenario, windows, j) for windows in (self.baseline, self.compared)]
+        return Measurement.of(relative_change, *losses)
+
+
 class AzimuthStep(FigureSpec):
     """Largest turn of a commanded direction between two samples, deg."""
 
@@ -117,6 +155,6 @@ class LimitViolations(FigureSpec):
         return Measurement(float(sum(check.violations for check in limits_violations(run, vessel))))
 
 
-def _thrust(thruster: str, window: str, run: RunData, scenario: Scenario) -> FloatArray:
+def _thrust(thruster: str, window: str | tuple[str, ...], run: RunData, scenario: Scenario) -> FloatArray:
     """Return the magnitude of the commanded thrust of one thruster over a window, N."""
     return np.abs(column(run["thrust_command"], scenario, window, run.thrusters.index(thruster)))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import Field
 
 from marine_model.schema import Section
@@ -21,3 +23,14 @@ class PlotSpec(Section):
     def thrusters(self) -> tuple[tuple[str, str], ...]:
         """Return (field, thruster name) of every thruster that this needs."""
         return ()
+
+
+class GroupedPlot(PlotSpec):
+    """A picture of several windows, e.g. two without and two with something."""
+
+    # Windows by the name that the legend gives them; those of one name share a colour.
+    groups: dict[str, Annotated[tuple[str, ...], Field(strict=False, min_length=1)]] = Field(min_length=1)
+
+    def windows(self) -> tuple[tuple[str, str], ...]:
+        """Return the windows of all groups."""
+        return tuple(("groups", window) for group in self.groups.values() for window in group)

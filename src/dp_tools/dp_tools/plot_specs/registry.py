@@ -7,6 +7,11 @@ from typing import Annotated
 from pydantic import Field
 
 from dp_tools.plot_specs.overlay import Overlay
+from dp_tools.plot_specs.overlay_panels import OverlayPanels
+from dp_tools.plot_specs.spectra import Spectra
+from dp_tools.plot_specs.thrust_and_loss import ThrustAndLoss
 
-# A discriminator needs two kinds or more.
-AnyPlot = Annotated[Overlay, Field()]
+AnyPlot = Annotated[
+    Overlay | OverlayPanels | Spectra | ThrustAndLoss,
+    Field(discriminator="kind"),
+]

@@ -7,12 +7,21 @@ from typing import Any
 
 from dp_tools.plot_specs import PlotSpec
 from dp_tools.plot_specs.overlay import Overlay
+from dp_tools.plot_specs.overlay_panels import OverlayPanels
+from dp_tools.plot_specs.spectra import Spectra
+from dp_tools.plot_specs.thrust_and_loss import ThrustAndLoss
 from dp_tools.report.overlay import overlay
+from dp_tools.report.overlay_panels import overlay_panels
 from dp_tools.report.scene import Picture, Scene
+from dp_tools.report.spectra import spectra
+from dp_tools.report.thrust_and_loss import thrust_and_loss
 
 # Each takes the scene and a spec of its own kind, and returns the image as data URI, and in words what it shows.
 _DRAWN_BY: dict[type[PlotSpec], Callable[[Scene, Any], tuple[str, str]]] = {
     Overlay: overlay,
+    OverlayPanels: overlay_panels,
+    Spectra: spectra,
+    ThrustAndLoss: thrust_and_loss,
 }
 
 

@@ -27,7 +27,7 @@ def overlay(scene: Scene, spec: Overlay) -> tuple[str, str]:
     for i, (axis, label) in enumerate(zip(axes, labels, strict=True)):
         axis.set_ylabel(label)
         for number, (name, windows) in enumerate(spec.groups.items()):
-            color = style.WINDOW_EDGES[number % len(style.WINDOW_EDGES)]
+            color = style.GROUPS[number % len(style.GROUPS)]
             for k, window in enumerate(windows):
                 part = signal.window(*scene.scenario.windows[window])
                 since = part.t - scene.scenario.windows[window][0]

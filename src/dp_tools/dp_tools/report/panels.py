@@ -104,6 +104,10 @@ class Panels:
             drawn.set_label(label)
             self._handles[panel].setdefault(label, drawn)
 
+    def add_to_legend(self, panel: int, label: str, drawn: Any) -> None:
+        """Name what was drawn beside this class, e.g. on an axis at the right; a label that came before stays."""
+        self._handles[panel].setdefault(label, drawn)
+
     def level(self, panel: int, value: float, label: str) -> None:
         """Draw a limit as a thin level line."""
         drawn = self.axes[panel].axhline(value, color=style.LIMIT, linewidth=0.8, linestyle=(0, (1, 2)))

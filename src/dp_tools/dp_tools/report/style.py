@@ -19,6 +19,8 @@ FLAGGED = "#8e4585"
 # Okabe and Ito's colours, told apart by colour-blind readers too.
 THRUSTERS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00")
 WINDOWS = ("#eaf1f7", "#fcf2de", "#eaf5ec", "#f6ecf4")
+# Windows laid over one another, e.g. without and with; dark enough for thin lines.
+GROUPS = (DESIRED, COMMANDED, "#3f8f55", "#b8790f")
 WINDOW_EDGES = ("#2b3a4d", "#b8790f", "#3f8f55", "#a05a92")
 
 _SETTINGS = {

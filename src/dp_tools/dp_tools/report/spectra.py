@@ -1,0 +1,45 @@
+"""Power spectra of several windows, as Figures 5.7 and 5.8 of [Ruth]."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure as Canvas
+
+from dp_tools.figures.spectrum import signal_of
+from dp_tools.plot_specs.spectra import Spectra
+from dp_tools.report import style
+from dp_tools.report.panels import WIDTH, svg_uri
+from dp_tools.report.scene import Scene
+from dp_tools.spectra import spectrum
+
+# Unit of the density, and factor to it: torques of a model are mN m.
+_UNITS = {"total_power": ("W²/Hz", 1.0), "motor_torque": ("(mN m)²/Hz", 1e6)}
+
+
+def spectra(scene: Scene, spec: Spectra) -> tuple[str, str]:
+    """Draw the power spectral density of every window."""
+    thrusters = spec.of or ("",)
+    unit, scale = _UNITS[spec.signal]
+    figure = Canvas(figsize=(WIDTH, 1.0 + 2.0 * len(thrusters)), layout="constrained")
+    axes = np.atleast_1d(figure.subplots(len(thrusters), 1, sharex=True)).tolist()
+    for axis, thruster in zip(axes, thrusters, strict=True):
+        signal = signal_of(scene.run, spec.signal, thruster)
+        name = thruster.replace("_", " ")
+        axis.set_ylabel(f"{name}\n({unit})" if name else f"total power ({unit})")
+        for number, (label, windows) in enumerate(spec.groups.items()):
+            color = style.GROUPS[number % len(style.GROUPS)]
+            for k, window in enumerate(windows):
+                frequency, density = spectrum(signal.window(*scene.scenario.windows[window]), spec.segment)
+                shown = (frequency > 0.0) & (frequency <= spec.up_to)
+                drawn = {} if k else {"label": label}
+                axis.plot(frequency[shown], scale * density[shown], color=color, linewidth=1.0, **drawn)
+        for mark in spec.marked:
+            axis.axvline(mark, color=style.MUTED, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
+        axis.set_ylim(bottom=0.0)
+        axis.set_xlim(0.0, spec.up_to)
+    axes[-1].set_xlabel("frequency (Hz)")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
+    return svg_uri(
+        figure
+    ), f"Power spectrum of {spec.signal.replace('_', ' ')} in the windows of {', '.join(spec.groups)}"
