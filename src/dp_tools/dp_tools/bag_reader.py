@@ -199,7 +199,13 @@ class _Collector:
         self._word("azimuth_mode", stamp, m.azimuth_mode)
         if getattr(m, "antispin", False):  # not in recordings of earlier versions
             self._row("torque_loss", stamp, m.torque_loss)
-        for name in ("performance_measure", "minimum_gain", "minimum_gain_both_ways", "minimum_gain_free", "sub_problem"):
+        for name in (
+            "performance_measure",
+            "minimum_gain",
+            "minimum_gain_both_ways",
+            "minimum_gain_free",
+            "sub_problem",
+        ):
             value = float(getattr(m, name, np.nan))
             if np.isfinite(value):
                 self._row(name, stamp, (value,))

@@ -6,10 +6,14 @@ from typing import Annotated
 
 from pydantic import Field
 
+from dp_tools.figures.auto_mode import PerformanceLevel, TimeToMode
+from dp_tools.figures.deviation import DeviationTime, ThrustStep
+from dp_tools.figures.excursion import Badness, Excursion, RankAgreement
 from dp_tools.figures.force import ForceDeviation, ForceJump, ForceLevel, ForceTracking
 from dp_tools.figures.joystick import TimeToDemand
 from dp_tools.figures.position import PositionError
 from dp_tools.figures.power import MeanPower, MeanPowerChange
+from dp_tools.figures.sectors import ForbiddenDwell, SwitchCount, TransitFullRate
 from dp_tools.figures.thruster import AzimuthStep, LimitViolations, ThrustLevel, ThrustLevelChange, VentilatingShare
 
 AnyFigure = Annotated[
@@ -25,6 +29,16 @@ AnyFigure = Annotated[
     | ThrustLevel
     | ThrustLevelChange
     | VentilatingShare
+    | ForbiddenDwell
+    | TransitFullRate
+    | SwitchCount
+    | DeviationTime
+    | ThrustStep
+    | PerformanceLevel
+    | TimeToMode
+    | Excursion
+    | Badness
+    | RankAgreement
     | LimitViolations,
     Field(discriminator="kind"),
 ]

@@ -6,7 +6,13 @@ from typing import Annotated
 
 from pydantic import Field
 
+from dp_tools.plot_specs.bars import Bars
+from dp_tools.plot_specs.fault_plot import FaultPlot
+from dp_tools.plot_specs.mode_plot import ModePlot
 from dp_tools.plot_specs.overlay import Overlay
+from dp_tools.plot_specs.sector_plot import SectorPlot
 
-# A discriminator needs two kinds or more.
-AnyPlot = Annotated[Overlay, Field()]
+AnyPlot = Annotated[
+    Overlay | SectorPlot | ModePlot | FaultPlot | Bars,
+    Field(discriminator="kind"),
+]

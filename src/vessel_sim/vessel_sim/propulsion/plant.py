@@ -107,9 +107,7 @@ class PropulsionPlant:
         for name, failed in (("motors", motors), ("azimuths", azimuths)):
             if len(failed) not in (0, n):
                 raise InputError(f"{name}: expected {n} elements or none, found {len(failed)}")
-        for j, (column, failed) in enumerate(
-            ((columns.TORQUE_MAX, motors), (columns.AZIMUTH_RATE_MAX, azimuths))
-        ):
+        for j, (column, failed) in enumerate(((columns.TORQUE_MAX, motors), (columns.AZIMUTH_RATE_MAX, azimuths))):
             works = np.ones(n) if not len(failed) else 1.0 - np.array(failed, dtype=np.float64)
             self.parameters[:, column] = works * self._drives[:, j]
 
