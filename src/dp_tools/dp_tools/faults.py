@@ -39,8 +39,10 @@ class Fault:
 
     @property
     def name(self) -> str:
-        """Numbers of the thrusters that work, from 1 as in [Ruth] 6.5.3; "none" if no thruster does."""
-        return "".join(str(j + 1) for j, faulty in enumerate(self.thrusters) if not faulty) or "none"
+        """Numbers of the thrusters that work, as in [Ruth] 6.5.3, or of the azimuth motors that do not; from 1."""
+        if not any(self.motors):
+            return "azimuth " + " ".join(str(j + 1) for j, faulty in enumerate(self.azimuths) if faulty)
+        return "".join(str(j + 1) for j, faulty in enumerate(self.motors) if not faulty) or "none"
 
 
 def faults(scenario: Scenario, vessel: Vessel) -> tuple[Fault, ...]:
