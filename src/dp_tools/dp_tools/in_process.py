@@ -242,6 +242,8 @@ class ClosedLoop:
         if k and settings.power.needs_measurement:
             power = self._log.rows["power"][k - 1]
             self._allocator.measure_power(float(power[settings.enabled(self._vessel)].sum()))
+        if k and settings.needs_direction:
+            self._allocator.measure_azimuth(self._log.rows["azimuth"][k - 1])
         if k and settings.antispin.enabled:
             if self._vessel.drivers.ventilation is None:
                 raise InputError(

@@ -154,6 +154,9 @@ class Allocator:
         self._sectors.apply(rule)
         self._power.apply(settings.power)
         self._antispin.apply(settings.antispin)
+        self._stuck = np.flatnonzero(np.array(self._vessel.can_rotate) & (self._limits[:, Limit.MAY_ROTATE] == 0.0))
+        if not len(self._stuck):
+            self._direction: FloatArray | None = None
         weight = self._engine.weights.thrust
         if settings.thrust_weight == "propeller":
             weight = propeller_weights(self._engine.power_factor)
@@ -188,6 +191,7 @@ class Allocator:
         self._multiplier = np.zeros(3)
         self._demand = np.zeros(3)
         self._answer: Answer | None = None
+        self._direction = None
         self._mode_state = ModeState()
         self._sectors.reset()
         self._power.reset()
@@ -199,6 +203,24 @@ class Allocator:
     def measure_power(self, power: float) -> None:
         """Take the measured power of all thrusters together (W): it corrects the prediction, [Ruth] (4.44)."""
         self._power.measure(power)
+
+    def measure_azimuth(self, azimuth: ArrayLike) -> None:
+        """Take where the thrusters point: one whose azimuth drive is lost is allocated there, [Ruth] 6.3.
+
+        While its failure was not known it has been commanded elsewhere. Without a measurement it counts as pointing
+        where it was last commanded to.
+
+        Parameters
+        ----------
+        azimuth
+            Measured, shape (n,), rad; those of thrusters that turn have no say.
+
+        Raises
+        ------
+        InputError
+            If the shape is wrong or an element is not finite; nothing is changed.
+        """
+        self._direction = finite_vector("azimuth", azimuth, self._n)
 
     def measure_ventilation(self, torque_loss: ArrayLike, age: float = 0.0) -> None:
         """Take what air has left of the propellers' torque: it raises their cost, [Ruth] (5.18), if ``antispin`` is on.
@@ -241,7 +263,7 @@ class Allocator:
         if self._changing or self._feathering.active:
             # The results of steps before keep theirs.
             self._limits = self._limits.copy()
-        settings, limits, before = self._settings, self._limits, self._before
+        settings, limits, before = self._settings, self._limits, self._where_they_point(dt)
         if self._feathering.active:
             self._feathering.step(limits, dt)
         tamed = self._tamed(tau)
@@ -308,6 +330,21 @@ class Allocator:
     def _rehearse(self) -> None:
         """Go through a step of a twin, so that no step of this one waits for machine code to be loaded or compiled."""
         _Twin(self._vessel, self._settings).step(self._vessel.thrust_max.sum() * np.ones(3), self._longest_step)
+
+    def _where_they_point(self, dt: float) -> FloatArray:
+        """Return the commands of the step before, with lost azimuth drives where they were measured.
+
+        The command goes there no faster than the drive could turn, so that it keeps to the limits of every command.
+        """
+        if self._direction is None or not len(self._stuck):
+            return self._before
+        before = self._before.copy()
+        for j in self._stuck.tolist():
+            reach = float(self._vessel.azimuth_rate[j]) * dt
+            commanded = float(before[j, Command.AZIMUTH])
+            rest = wrap_angle(float(self._direction[j]) - commanded)
+            before[j, Command.AZIMUTH] = wrap_angle(commanded + min(max(rest, -reach), reach))
+        return before
 
     def _choose_mode(self, tau: FloatArray, elapsed: float) -> bool:
         """Return whether azimuth thrusters rotate in this step, and write it into the limits.

@@ -58,8 +58,9 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._command = self.publish_on(ThrusterCommand, "thruster_command")
         self._achieved = self.publish_on(WrenchStamped, "tau_achieved")
         self._status = self.publish_on(AllocationStatus, "allocation_status")
-        # Power of every thruster; beta_Q2 of every thruster.
+        # Power of every thruster; where it points; its beta_Q2.
         self._power: Inbox[FloatArray] = Inbox("the power of thruster_feedback")
+        self._direction: Inbox[FloatArray] = Inbox("the directions of thruster_feedback")
         self._ventilation: Inbox[FloatArray] = Inbox(VENTILATION)
         self._room: WaitingRoom[Any] = WaitingRoom(round(self.vessel.simulation.time_step * 1e9))
         self._forget()
@@ -93,7 +94,10 @@ class AllocatorNode(RingNode[AllocatorSettings]):
 
     def _hear(self) -> None:
         """Listen to what is needed only where it is: it comes ten times as often as demands do."""
-        if not self._hears_feedback and (self._initial == "feedback" or self.settings.power.needs_measurement):
+        settings = self.settings
+        if not self._hears_feedback and (
+            self._initial == "feedback" or settings.power.needs_measurement or settings.needs_direction
+        ):
             self._hears_feedback = True
             self.listen(ThrusterFeedback, "thruster_feedback", self._on_feedback)
         if not self._hears_ventilation and self.settings.antispin.enabled:
@@ -105,12 +109,15 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         needed = []
         if self.settings.power.needs_measurement:
             needed.append(self._power)
+        if self.settings.needs_direction:
+            needed.append(self._direction)
         if self.settings.antispin.enabled:
             needed.append(self._ventilation)
         return needed
 
     def _forget(self) -> None:
         self._power.clear()
+        self._direction.clear()
         self._ventilation.clear()
         self._room.clear()
         self._stamps = StampSequence("tau_desired")
@@ -125,6 +132,14 @@ class AllocatorNode(RingNode[AllocatorSettings]):
                 self._order("thruster_feedback", message)
             ],
             needed=self.settings.power.needs_measurement,
+        )
+        self._keep(
+            self._direction,
+            message,
+            lambda: finite_vector("thruster_feedback: azimuth", message.azimuth, len(self._names))[
+                self._order("thruster_feedback", message)
+            ],
+            needed=self.settings.needs_direction,
         )
         if self._waiting:
             self._start_from(message)
@@ -178,6 +193,10 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             power = self._power.take(stamp)
             if power is not None:
                 self._core.measure_power(float(power[1][self.settings.enabled(self.vessel)].sum()))
+        if self.settings.needs_direction:
+            direction = self._direction.take(stamp)
+            if direction is not None:
+                self._core.measure_azimuth(direction[1])
         if self.settings.antispin.enabled:
             loss = self._ventilation.take(stamp)
             if loss is not None:

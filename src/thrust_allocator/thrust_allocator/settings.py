@@ -117,7 +117,7 @@ class AllocatorSettings(Settings):
     )
     thruster_enabled: Switches = setting((), "Per thruster: false for a lost thruster, whose command is ramped to zero")
     azimuth_enabled: Switches = setting(
-        (), "Per thruster: false for one that cannot turn and keeps its present direction"
+        (), "Per thruster: false for one that cannot turn: it is allocated as fixed where thruster_feedback sees it"
     )
     thrust_limit_scale: Fractions = setting((), "Per thruster: fraction of the thrust limits that may be used, 0 to 1")
     azimuth_rate_scale: Fractions = setting(
@@ -142,6 +142,11 @@ class AllocatorSettings(Settings):
     power: PowerSettings = Field(default=PowerSettings())
     singularity: SingularitySettings = Field(default=SingularitySettings())
     antispin: AntiSpinSettings = Field(default=AntiSpinSettings())
+
+    @property
+    def needs_direction(self) -> bool:
+        """Whether an azimuth drive is lost, so that the measured directions have a say."""
+        return not all(self.azimuth_enabled) or 0.0 in self.azimuth_rate_scale
 
     def enabled(self, vessel: Vessel) -> NDArray[np.bool_]:
         """Return which thrusters are not lost, shape (n,)."""

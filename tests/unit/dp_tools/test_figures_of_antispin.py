@@ -78,7 +78,7 @@ def test_a_sine_in_the_middle_of_the_band_has_half_the_square_of_its_amplitude(
     amplitude: float, frequency: float
 ) -> None:
     energies = band_energies(sine(amplitude, frequency, 1500), frequency, 0.5)
-    # Half a step (0.0625 Hz) off the grid the four frequencies in the band hold 2 (0.849^2 + 0.170^2) / 1.5 = 0.9994 of it.
+    # Half a step (0.0625 Hz) off the grid four frequencies in the band hold 2 (0.849^2 + 0.170^2) / 1.5 = 0.9994 of it.
     assert energies == pytest.approx(0.5 * amplitude**2, rel=2e-3)
 
 

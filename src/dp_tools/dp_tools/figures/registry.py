@@ -6,11 +6,15 @@ from typing import Annotated
 
 from pydantic import Field
 
+from dp_tools.figures.auto_mode import PerformanceLevel, TimeToMode
 from dp_tools.figures.control import ControlTermChange, ControlTermLevel, IntegralLag, IntegralLagChange
+from dp_tools.figures.deviation import DeviationTime, ThrustStep
+from dp_tools.figures.excursion import Badness, Excursion, RankAgreement
 from dp_tools.figures.force import ForceDeviation, ForceJump, ForceLevel, ForceLevelChange, ForceTracking
 from dp_tools.figures.joystick import TimeToDemand
 from dp_tools.figures.position import LargestErrorDelay, PositionError, PositionErrorChange
 from dp_tools.figures.power import MeanPower, MeanPowerChange, PowerStdChange
+from dp_tools.figures.sectors import ForbiddenDwell, SwitchCount, TransitFullRate
 from dp_tools.figures.spectrum import SpectralEnergy, SpectralEnergyRatio
 from dp_tools.figures.thruster import (
     AzimuthStep,
@@ -47,6 +51,16 @@ AnyFigure = Annotated[
     | VentilatingShare
     | TorqueLossLevel
     | TorqueLossChange
+    | ForbiddenDwell
+    | TransitFullRate
+    | SwitchCount
+    | DeviationTime
+    | ThrustStep
+    | PerformanceLevel
+    | TimeToMode
+    | Excursion
+    | Badness
+    | RankAgreement
     | LimitViolations,
     Field(discriminator="kind"),
 ]

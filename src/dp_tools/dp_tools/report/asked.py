@@ -6,13 +6,21 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from dp_tools.plot_specs import PlotSpec
+from dp_tools.plot_specs.bars import Bars
+from dp_tools.plot_specs.fault_plot import FaultPlot
+from dp_tools.plot_specs.mode_plot import ModePlot
 from dp_tools.plot_specs.overlay import Overlay
 from dp_tools.plot_specs.overlay_panels import OverlayPanels
+from dp_tools.plot_specs.sector_plot import SectorPlot
 from dp_tools.plot_specs.spectra import Spectra
 from dp_tools.plot_specs.thrust_and_loss import ThrustAndLoss
+from dp_tools.report.bars import bars
+from dp_tools.report.fault_plot import fault_plot
+from dp_tools.report.mode_plot import mode_plot
 from dp_tools.report.overlay import overlay
 from dp_tools.report.overlay_panels import overlay_panels
 from dp_tools.report.scene import Picture, Scene
+from dp_tools.report.sector_plot import sector_plot
 from dp_tools.report.spectra import spectra
 from dp_tools.report.thrust_and_loss import thrust_and_loss
 
@@ -22,6 +30,10 @@ _DRAWN_BY: dict[type[PlotSpec], Callable[[Scene, Any], tuple[str, str]]] = {
     OverlayPanels: overlay_panels,
     Spectra: spectra,
     ThrustAndLoss: thrust_and_loss,
+    SectorPlot: sector_plot,
+    ModePlot: mode_plot,
+    FaultPlot: fault_plot,
+    Bars: bars,
 }
 
 

@@ -83,6 +83,17 @@ class Panels:
         for event in shown:
             self._label(event)
 
+    def shade(self, panel: int, start: float, end: float) -> None:
+        """Shade a stretch of one panel in which something is faulty."""
+        if end > self.span[0] and start < self.span[1]:
+            drawn = self.axes[panel].axvspan(start, end, color=style.FAULT, linewidth=0, zorder=0.5)
+            self._handles[panel].setdefault("faulty", drawn)
+
+    def band(self, panel: int, low: float, high: float, label: str, color: str) -> None:
+        """Shade what lies between two values of one panel."""
+        drawn = self.axes[panel].axhspan(low, high, color=color, linewidth=0, zorder=0.5)
+        self._handles[panel].setdefault(label, drawn)
+
     def draw(self, panel: int, t: FloatArray, values: FloatArray, label: str, color: str, **line: Any) -> None:
         """Draw one signal; a label that came before is not repeated in the legend."""
         inside = (t >= self.span[0] - 1e-6) & (t <= self.span[1] + 1e-6)

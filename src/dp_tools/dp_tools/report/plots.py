@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from dp_tools.report import style
+from dp_tools.report.directions import draw_direction
 from dp_tools.report.panels import svg_uri
 from dp_tools.report.scene import Picture, Scene, Span
-from dp_tools.report.thinning import break_turns
 from dp_tools.run_data import Series
 from dp_tools.signals import (
     averaged,
@@ -21,7 +21,6 @@ from dp_tools.signals import (
     total_power,
     unwrapped_degrees,
 )
-from marine_model.frames import wrap_angles
 
 _FORCE_LABELS = ("surge (N)", "sway (N)", "yaw (N m)")
 _PLACE_LABELS = ("north (m)", "east (m)", "heading (deg)")
@@ -156,26 +155,8 @@ def directions(scene: Scene, span: Span) -> Picture:
     run = scene.run
     turning = [j for j, can in enumerate(scene.vessel.can_rotate) if can]
     panels = scene.panels(tuple(f"{run.thrusters[j].replace('_', ' ')}\n(deg)" for j in turning), span, height=1.35)
-    command = run["azimuth_command"]
     for row, j in enumerate(turning):
-        commanded = command.values[:, j]
-        if "azimuth" in run:
-            measured = run["azimuth"]
-            # On the same side of 180 deg as the command, or noise would draw lines across the whole panel.
-            held = command.at(measured.t)[:, j]
-            near = held + wrap_angles(measured.values[:, j] - held)
-            panels.draw(row, measured.t, break_turns(np.degrees(near)), "measured", style.MEASURED, linewidth=1.6)
-        panels.draw(
-            row,
-            command.t,
-            break_turns(np.degrees(commanded)),
-            "commanded",
-            style.COMMANDED,
-            linewidth=0.9,
-            drawstyle="steps-post",
-        )
-        panels.axes[row].set_ylim(-190.0, 190.0)
-        panels.axes[row].set_yticks([-180, -90, 0, 90, 180])
+        draw_direction(panels, row, scene, j)
     return Picture(
         "Thrust directions",
         "Direction of the thruster force: 0° ahead, 90° to starboard. Lines are broken where an angle passes ±180°.",

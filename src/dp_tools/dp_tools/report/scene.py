@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from dp_tools.faults import Fault, faults
 from dp_tools.figures.power import MeanPower, MeanPowerChange
 from dp_tools.report.panels import Panels
 from dp_tools.run_data import RunData
@@ -38,6 +39,11 @@ class Scene:
         return 0.0, max(self.run.duration, 1e-9)
 
     @property
+    def faults(self) -> tuple[Fault, ...]:
+        """When which thrusters are faulty."""
+        return faults(self.scenario, self.vessel)
+
+    @property
     def measured_windows(self) -> tuple[str, ...]:
         """Windows that figures are worked out over, close-ups apart, in the order of the file."""
         used = {window for spec in self.scenario.figures for _, window in spec.windows()}
@@ -58,5 +64,18 @@ class Scene:
         return any(name in self.run and bool(self.run[name].values.any()) for name in terms)
 
     def panels(self, labels: tuple[str, ...], span: Span, height: float = 1.5, own_legends: bool = False) -> Panels:
-        """Return empty panels for this run."""
-        return Panels(labels, self.scenario, span, height, self.measured_windows, own_legends)
+        """Return empty panels for this run; where thrusters are faulty they are shaded.
+
+        A panel that is called after a thruster is shaded for that thruster alone.
+        """
+        found = self.faults
+        # Windows that only name the stretches of faults would hide them.
+        marked = () if found else self.measured_windows
+        panels = Panels(labels, self.scenario, span, height, marked, own_legends)
+        names = {name.replace("_", " "): j for j, name in enumerate(self.run.thrusters)}
+        for i, label in enumerate(labels):
+            j = names.get(label.partition("\n")[0])
+            for fault in found:
+                if j is None or fault.thrusters[j]:
+                    panels.shade(i, fault.start, fault.end)
+        return panels

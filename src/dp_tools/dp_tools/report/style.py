@@ -16,6 +16,8 @@ MEASURED = "#6fb1d8"
 RAW = "#c3cad2"
 LIMIT = "#b08a2e"
 FLAGGED = "#8e4585"
+FAULT = "#f8d3d0"
+BAND = "#d5ecd9"
 # Okabe and Ito's colours, told apart by colour-blind readers too.
 THRUSTERS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00")
 WINDOWS = ("#eaf1f7", "#fcf2de", "#eaf5ec", "#f6ecf4")
