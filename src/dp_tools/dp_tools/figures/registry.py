@@ -6,8 +6,10 @@ from typing import Annotated
 
 from pydantic import Field
 
+from dp_tools.figures.attainable import AttainableSamples, GainLevel, LowGainSamples
 from dp_tools.figures.force import ForceDeviation, ForceJump, ForceLevel, ForceTracking
 from dp_tools.figures.joystick import TimeToDemand
+from dp_tools.figures.lag import ActuatorLag
 from dp_tools.figures.position import PositionError
 from dp_tools.figures.power import MeanPower, MeanPowerChange
 from dp_tools.figures.thruster import AzimuthStep, LimitViolations, ThrustLevel, ThrustLevelChange, VentilatingShare
@@ -25,6 +27,10 @@ AnyFigure = Annotated[
     | ThrustLevel
     | ThrustLevelChange
     | VentilatingShare
+    | ActuatorLag
+    | AttainableSamples
+    | GainLevel
+    | LowGainSamples
     | LimitViolations,
     Field(discriminator="kind"),
 ]

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from dp_tools.plot_specs.gain import AttainablePlot, MinimumGains
 from dp_tools.plot_specs.overlay import Overlay
 
-# A discriminator needs two kinds or more.
-AnyPlot = Annotated[Overlay, Field()]
+AnyPlot = Annotated[AttainablePlot | MinimumGains | Overlay, Field(discriminator="kind")]

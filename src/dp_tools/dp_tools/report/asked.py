@@ -6,12 +6,16 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from dp_tools.plot_specs import PlotSpec
+from dp_tools.plot_specs.gain import AttainablePlot, MinimumGains
 from dp_tools.plot_specs.overlay import Overlay
+from dp_tools.report.gain import attainable_plot, minimum_gains
 from dp_tools.report.overlay import overlay
 from dp_tools.report.scene import Picture, Scene
 
 # Each takes the scene and a spec of its own kind, and returns the image as data URI, and in words what it shows.
 _DRAWN_BY: dict[type[PlotSpec], Callable[[Scene, Any], tuple[str, str]]] = {
+    AttainablePlot: attainable_plot,
+    MinimumGains: minimum_gains,
     Overlay: overlay,
 }
 
