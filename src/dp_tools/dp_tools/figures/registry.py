@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from dp_tools.figures.attainable import AttainableSamples, GainLevel, LowGainSamples
-from dp_tools.figures.force import ForceDeviation, ForceJump, ForceLevel, ForceTracking
+from dp_tools.figures.force import ForceDeviation, ForceJump, ForceLevel, ForceMet, ForceTracking
 from dp_tools.figures.joystick import TimeToDemand
 from dp_tools.figures.lag import ActuatorLag
 from dp_tools.figures.position import PositionError
@@ -22,6 +22,7 @@ AnyFigure = Annotated[
     | ForceTracking
     | ForceDeviation
     | ForceJump
+    | ForceMet
     | TimeToDemand
     | AzimuthStep
     | ThrustLevel

@@ -33,6 +33,7 @@ class MinimumGains(PlotSpec):
     kind: Literal["minimum_gains"]
     window: str = ""  # empty: the whole run
     limit: Positive | None = None  # sigma_lim
+    push: bool = False  # also with rotating thrusters that push one way only
 
     def windows(self) -> tuple[tuple[str, str], ...]:
         """Return the window, if there is one."""

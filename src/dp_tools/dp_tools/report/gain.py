@@ -44,7 +44,11 @@ def minimum_gains(scene: Scene, spec: MinimumGains) -> tuple[str, str]:
         if known.any():
             panels.draw(0, free.t, free.values[:, 0], "first step: free", style.MEASURED, linewidth=1.2, **_STEPS)
     commanded = run["minimum_gain_both_ways"]
-    panels.draw(0, commanded.t, commanded.values[:, 0], "as commanded", style.COMMANDED, linewidth=1.0, **_STEPS)
+    label = "as commanded, thrusters pushing both ways"
+    panels.draw(0, commanded.t, commanded.values[:, 0], label, style.COMMANDED, linewidth=1.0, **_STEPS)
+    if spec.push:
+        push = run["minimum_gain"]
+        panels.draw(0, push.t, push.values[:, 0], "rotating thrusters one way", style.DESIRED, linewidth=1.0, **_STEPS)
     if spec.limit is not None:
         panels.level(0, spec.limit, "σ_lim")
     panels.axes[0].set_ylim(bottom=0.0)
