@@ -54,7 +54,7 @@ def page_with(text: str) -> str:
 
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
-        return f"all {_text(value[0])}"
+        return f"all {_text(value[0])}" if len(set(value)) == 1 else "vessel file"
     if isinstance(value, bool):
         return str(value).lower()
     if value == UNLIMITED:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -23,6 +24,7 @@ UNLIMITED = 1e9
 # Samples of the vessel for which what was told of ventilation holds.
 _LONGEST_SILENCE = 5.0
 Powers = Annotated[tuple[Annotated[float, Field(ge=0.0, le=UNLIMITED)], ...], Field(strict=False)]
+Directions = Annotated[tuple[Annotated[float, Field(ge=-math.pi, le=math.pi)], ...], Field(strict=False)]
 
 
 class SectorSettings(Settings):
@@ -123,6 +125,11 @@ class AllocatorSettings(Settings):
     azimuth_rate_scale: Fractions = setting(
         (), "Per thruster: fraction of the azimuth rate that may be used, 0 to 1; at 0 it cannot turn"
     )
+    fixed_direction: Directions = setting(
+        (),
+        "Per thruster: direction of its thrust while held fixed; a tunnel thruster keeps its own",
+        unit="rad",
+    )
     feather_time: float = setting(
         0.0,
         "Time in which the thrust limits of a thruster grow from nothing when it is enabled again",
@@ -162,6 +169,7 @@ class AllocatorSettings(Settings):
             "azimuth_enabled": (True,) * n,
             "thrust_limit_scale": (1.0,) * n,
             "azimuth_rate_scale": (1.0,) * n,
+            "fixed_direction": tuple(vessel.fixed_direction.tolist()),
         }
         if gains.fixed_rotating is not None:
             values["auto"] = AutoSettings(**gains.fixed_rotating.model_dump())
@@ -198,6 +206,7 @@ def check_settings(settings: AllocatorSettings, vessel: Vessel) -> None:
         "azimuth_enabled": settings.azimuth_enabled,
         "thrust_limit_scale": settings.thrust_limit_scale,
         "azimuth_rate_scale": settings.azimuth_rate_scale,
+        "fixed_direction": settings.fixed_direction,
         "antispin.excluded": settings.antispin.excluded,
     }
     for name, values in per_thruster.items():

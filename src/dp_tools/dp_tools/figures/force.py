@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from dp_tools.figures.base import ComparedFigure, Measurement, WindowFigure
+from dp_tools.figures.base import ComparedFigure, Measurement, Shown, WindowFigure
 from dp_tools.figures.samples import AXES, FORCE_UNITS, Axis, column, mean, relative_change, rms, std
 from dp_tools.run_data import RunData, Series
 from dp_tools.signals import measured_force
 from marine_model import Vessel
 from marine_model.guards import FloatArray
+from marine_model.schema import PositiveVector3
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
@@ -86,6 +87,28 @@ class ForceDeviation(_ForceFigure):
         """Return the largest magnitude."""
         desired, achieved = (self._column(run[name], scenario) for name in ("tau_desired", "tau_achieved"))
         return Measurement(float(np.abs(achieved - desired).max()))
+
+
+class ForceMet(WindowFigure):
+    """Share of a window in which the commanded force was within tolerance of the desired one in every axis."""
+
+    shown: ClassVar[Shown] = "share"
+
+    kind: Literal["force_met"]
+    tolerance: PositiveVector3  # N, N, N m
+
+    @property
+    def unit(self) -> str:
+        """1: a ratio."""
+        return "1"
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the share."""
+        desired, achieved = (
+            run[name].window(*scenario.windows[self.window]) for name in ("tau_desired", "tau_achieved")
+        )
+        met = (np.abs(achieved.values - desired.values) <= np.array(self.tolerance)).all(axis=1)
+        return Measurement.of(mean, met.astype(np.float64))
 
 
 class ForceJump(_ForceFigure):

@@ -6,12 +6,14 @@ from typing import Annotated
 
 from pydantic import Field
 
+from dp_tools.figures.attainable import AttainableSamples, GainLevel, LowGainSamples
 from dp_tools.figures.auto_mode import PerformanceLevel, TimeToMode
 from dp_tools.figures.control import ControlTermChange, ControlTermLevel, IntegralLag, IntegralLagChange
 from dp_tools.figures.deviation import DeviationTime, ThrustStep
 from dp_tools.figures.excursion import Badness, Excursion, RankAgreement
-from dp_tools.figures.force import ForceDeviation, ForceJump, ForceLevel, ForceLevelChange, ForceTracking
+from dp_tools.figures.force import ForceDeviation, ForceJump, ForceLevel, ForceLevelChange, ForceMet, ForceTracking
 from dp_tools.figures.joystick import TimeToDemand
+from dp_tools.figures.lag import ActuatorLag
 from dp_tools.figures.position import LargestErrorDelay, PositionError, PositionErrorChange
 from dp_tools.figures.power import MeanPower, MeanPowerChange, PowerStdChange
 from dp_tools.figures.sectors import ForbiddenDwell, SwitchCount, TransitFullRate
@@ -44,6 +46,7 @@ AnyFigure = Annotated[
     | ControlTermChange
     | IntegralLag
     | IntegralLagChange
+    | ForceMet
     | TimeToDemand
     | AzimuthStep
     | ThrustLevel
@@ -61,6 +64,10 @@ AnyFigure = Annotated[
     | Excursion
     | Badness
     | RankAgreement
+    | ActuatorLag
+    | AttainableSamples
+    | GainLevel
+    | LowGainSamples
     | LimitViolations,
     Field(discriminator="kind"),
 ]

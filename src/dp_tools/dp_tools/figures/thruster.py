@@ -20,10 +20,11 @@ if TYPE_CHECKING:
 
 
 class ThrustLevel(WindowFigure):
-    """Mean magnitude of the commanded thrust of one thruster over a window, N."""
+    """Mean or largest magnitude of the commanded thrust of one thruster over a window, N."""
 
     kind: Literal["thrust_level"]
     thruster: str
+    statistic: Literal["mean", "max"] = "mean"
 
     @property
     def unit(self) -> str:
@@ -35,8 +36,9 @@ class ThrustLevel(WindowFigure):
         return (("thruster", self.thruster),)
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
-        """Return the mean."""
-        return Measurement.of(mean, _thrust(self.thruster, self.window, run, scenario))
+        """Return the statistic."""
+        levels = _thrust(self.thruster, self.window, run, scenario)
+        return Measurement.of(mean, levels) if self.statistic == "mean" else Measurement(float(levels.max()))
 
 
 class ThrustLevelChange(ComparedFigure):

@@ -27,13 +27,20 @@ def limit_table(vessel: Vessel, settings: AllocatorSettings) -> FloatArray:
     table[:, Limit.THRUST_MAX] = scale * vessel.thrust_max
     table[:, Limit.THRUST_RATE] = vessel.thrust_rate
     table[:, Limit.AZIMUTH_RATE] = rate
-    table[:, Limit.DIRECTION] = [wrap_angle(angle) for angle in vessel.fixed_direction.tolist()]
+    table[:, Limit.DIRECTION] = [wrap_angle(angle) for angle in _fixed_directions(vessel, settings).tolist()]
     table[:, Limit.ZERO_THRUST] = vessel.allocator.zero_region * span
     table[:, Limit.SPAN] = span
     table[:, Limit.REACH_LOW] = -np.inf
     table[:, Limit.REACH_HIGH] = np.inf
     table[:, Limit.FACTOR] = 1.0
     return table
+
+
+def _fixed_directions(vessel: Vessel, settings: AllocatorSettings) -> FloatArray:
+    """Return where every thruster points when held fixed, shape (n,), rad."""
+    if not settings.fixed_direction:
+        return vessel.fixed_direction
+    return np.where(vessel.can_rotate, np.array(settings.fixed_direction), vessel.fixed_direction)
 
 
 class Feathering:

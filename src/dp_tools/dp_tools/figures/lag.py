@@ -1,0 +1,62 @@
+"""Figures of how actuators follow their commands."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from dp_tools.figures.base import Measurement, WindowFigure
+from dp_tools.run_data import RunData, Series
+from dp_tools.signals import measured_thrust
+from marine_model import Vessel
+from marine_model.errors import InputError
+from marine_model.frames import wrap_angles
+
+if TYPE_CHECKING:
+    from dp_tools.scenario import Scenario
+
+# Longer than any lag of actuators that keep up.
+_LONGEST = 2.0  # s
+
+
+class ActuatorLag(WindowFigure):
+    """Time by which a measured direction or thrust comes behind its command over a window, s.
+
+    The shift of the command that leaves the least mean square difference, in steps of the feedback.
+    """
+
+    kind: Literal["actuator_lag"]
+    thruster: str
+    of: Literal["azimuth", "thrust"]
+
+    @property
+    def unit(self) -> str:
+        """Second."""
+        return "s"
+
+    def thrusters(self) -> tuple[tuple[str, str], ...]:
+        """Return the thruster."""
+        return (("thruster", self.thruster),)
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the shift."""
+        j = run.thrusters.index(self.thruster)
+        if self.of == "azimuth":
+            command, whole = run["azimuth_command"], run["azimuth"]
+        else:
+            command, whole = run["thrust_command"], measured_thrust(run, vessel)
+        measured = whole.window(*scenario.windows[self.window])
+        if len(measured.t) < 2:
+            raise InputError(f"window {self.window}: expected two samples or more, found {len(measured.t)}")
+        step = float(measured.t[1] - measured.t[0])
+        shifts = np.arange(round(_LONGEST / step) + 1) * step
+        errors = [self._error(command, measured, j, shift) for shift in shifts.tolist()]
+        return Measurement(float(shifts[int(np.argmin(errors))]))
+
+    def _error(self, command: Series, measured: Series, j: int, shift: float) -> float:
+        """Return the mean square of measured minus shifted command."""
+        error = measured.values[:, j] - command.at(measured.t - shift)[:, j]
+        if self.of == "azimuth":
+            error = wrap_angles(error)
+        return float(np.nanmean(error * error))
