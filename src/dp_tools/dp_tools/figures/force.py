@@ -108,7 +108,7 @@ class ForceMet(WindowFigure):
             run[name].window(*scenario.windows[self.window]) for name in ("tau_desired", "tau_achieved")
         )
         met = (np.abs(achieved.values - desired.values) <= np.array(self.tolerance)).all(axis=1)
-        return Measurement.of(mean, met.astype(np.float64))
+        return Measurement.of(mean, np.asarray(met, dtype=np.float64))
 
 
 class ForceJump(_ForceFigure):

@@ -22,7 +22,7 @@ FORCE_UNITS = ("N", "N", "N m")
 def column(series: Series, scenario: Scenario, window: str | tuple[str, ...], index: int) -> FloatArray:
     """Return the finite samples of one column over a window, or over several one after another."""
     names = (window,) if isinstance(window, str) else window
-    values = np.concatenate([series.window(*scenario.windows[name]).values[:, index] for name in names])
+    values: FloatArray = np.concatenate([series.window(*scenario.windows[name]).values[:, index] for name in names])
     return values[np.isfinite(values)]
 
 
