@@ -27,7 +27,7 @@ from thruster_drivers.ventilation import VentilationMonitor
 from vessel_sim import Simulator, SimulatorInputs, SimulatorSettings, WaveSettings, WindSettings
 from vessel_sim.inflow import Inflow
 from vessel_sim.propulsion import PropulsionPlant
-from vessel_sim.waves import HullForm, Waves
+from vessel_sim.waves import Waves, hull_in_waves
 
 _VESSEL = "cybership3"
 _TAU = (3.0, 1.0, 0.5)
@@ -71,7 +71,7 @@ def _singularity() -> None:
 
 def _sea() -> None:
     vessel = load_vessel(_VESSEL)
-    waves = Waves(HullForm.of(vessel), WaveSettings(amplitude=0.01))
+    waves = Waves(hull_in_waves(vessel), WaveSettings(amplitude=0.01))
     origin = (0.0, 0.0, 0.0)
     Inflow(vessel).at(origin, origin, np.zeros(len(vessel.thrusters)), waves, 0.0)
     waves.elevation(0.0, 0.0, 0.0)

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from marine_model.compiled import compiled
 from marine_model.errors import InputError
+from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
+
+# Where in the coefficients what begins: matrices row by row.
+MASS, INVERSE, DAMPING, QUADRATIC = 0, 9, 18, 27
 
 Triple = tuple[float, float, float]
 
@@ -25,7 +30,10 @@ class Hull:
     centripetal terms of rigid body and added mass together; nu^T C nu = 0). In a current that is constant and
     irrotational the frame of the water is an inertial frame, so that this holds for the rigid-body part too.
 
-    Scalars instead of arrays: the functions run some hundred times per simulated second on three numbers.
+    Attributes
+    ----------
+    coefficients
+        M_RB + M_A, its inverse, D, D_q, as the compiled functions take them, shape (30,).
 
     Raises
     ------
@@ -45,10 +53,9 @@ class Hull:
                 f"simulation.time_step: expected at most {_STEP_TIMES_RATE_MAX / fastest:.3g} s, "
                 f"{_STEP_TIMES_RATE_MAX} of the shortest time constant of the hull, found {time_step} s"
             )
-        self._mass: tuple[float, ...] = tuple(mass.ravel().tolist())
-        self._inverse: tuple[float, ...] = tuple(inverse.ravel().tolist())
-        self._damping: tuple[float, ...] = tuple(damping.ravel().tolist())
-        self._quadratic = tuple(data.quadratic_damping)
+        self.coefficients: FloatArray = np.concatenate(
+            [mass.ravel(), inverse.ravel(), damping.ravel(), np.array(data.quadratic_damping)]
+        )
 
     def hydrodynamic_force(self, u: float, v: float, r: float) -> Triple:
         """Return -(C(nu_r) nu_r + D nu_r + D_q |nu_r| nu_r): N, N, N m in the body frame.
@@ -58,33 +65,43 @@ class Hull:
         u, v, r
             Velocity through the water in the body frame, m/s, m/s, rad/s.
         """
-        m11, m12, m13, m21, m22, m23, _, _, _ = self._mass
-        d11, d12, d13, d21, d22, d23, d31, d32, d33 = self._damping
-        q1, q2, q3 = self._quadratic
-        p1 = m11 * u + m12 * v + m13 * r
-        p2 = m21 * u + m22 * v + m23 * r
-        return (
-            p2 * r - (d11 + q1 * abs(u)) * u - d12 * v - d13 * r,
-            -p1 * r - d21 * u - (d22 + q2 * abs(v)) * v - d23 * r,
-            p1 * v - p2 * u - d31 * u - d32 * v - (d33 + q3 * abs(r)) * r,
-        )
+        return hydrodynamic_force(self.coefficients, u, v, r)
 
     def acceleration(self, u: float, v: float, r: float, x: float, y: float, n: float) -> Triple:
         """Return nu_r_dot (m/s^2, m/s^2, rad/s^2) under the generalized force (x, y, n) (N, N, N m)."""
-        i11, i12, i13, i21, i22, i23, i31, i32, i33 = self._inverse
-        hx, hy, hn = self.hydrodynamic_force(u, v, r)
-        x += hx
-        y += hy
-        n += hn
-        return (
-            i11 * x + i12 * y + i13 * n,
-            i21 * x + i22 * y + i23 * n,
-            i31 * x + i32 * y + i33 * n,
-        )
+        return acceleration(self.coefficients, u, v, r, x, y, n)
 
     def kinetic_energy(self, u: float, v: float, r: float) -> float:
         """Return the energy (J) of hull and entrained water in the frame of the water."""
-        m11, m12, m13, m21, m22, m23, m31, m32, m33 = self._mass
-        return 0.5 * (
-            u * (m11 * u + m12 * v + m13 * r) + v * (m21 * u + m22 * v + m23 * r) + r * (m31 * u + m32 * v + m33 * r)
-        )
+        velocity = np.array([u, v, r])
+        mass = self.coefficients[MASS:INVERSE].reshape(3, 3)
+        return float(0.5 * velocity @ mass @ velocity)
+
+
+@compiled
+def hydrodynamic_force(hull: FloatArray, u: float, v: float, r: float) -> Triple:
+    """Return what ``Hull.hydrodynamic_force`` does; ``hull`` are its ``coefficients``."""
+    p1 = hull[MASS] * u + hull[MASS + 1] * v + hull[MASS + 2] * r
+    p2 = hull[MASS + 3] * u + hull[MASS + 4] * v + hull[MASS + 5] * r
+    d = DAMPING
+    q1, q2, q3 = hull[QUADRATIC], hull[QUADRATIC + 1], hull[QUADRATIC + 2]
+    return (
+        p2 * r - (hull[d] + q1 * abs(u)) * u - hull[d + 1] * v - hull[d + 2] * r,
+        -p1 * r - hull[d + 3] * u - (hull[d + 4] + q2 * abs(v)) * v - hull[d + 5] * r,
+        p1 * v - p2 * u - hull[d + 6] * u - hull[d + 7] * v - (hull[d + 8] + q3 * abs(r)) * r,
+    )
+
+
+@compiled
+def acceleration(hull: FloatArray, u: float, v: float, r: float, x: float, y: float, n: float) -> Triple:
+    """Return what ``Hull.acceleration`` does; ``hull`` are its ``coefficients``."""
+    hx, hy, hn = hydrodynamic_force(hull, u, v, r)
+    x += hx
+    y += hy
+    n += hn
+    i = INVERSE
+    return (
+        hull[i] * x + hull[i + 1] * y + hull[i + 2] * n,
+        hull[i + 3] * x + hull[i + 4] * y + hull[i + 5] * n,
+        hull[i + 6] * x + hull[i + 7] * y + hull[i + 8] * n,
+    )

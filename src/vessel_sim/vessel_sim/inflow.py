@@ -9,9 +9,9 @@ import numpy as np
 from marine_model.compiled import compiled
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
-from vessel_sim.waves import HullForm, Sea
-from vessel_sim.waves.components import elevation, particle_velocity
-from vessel_sim.waves.hull_form import Triple, box_motion
+from vessel_sim.waves.at_ship import Waves
+from vessel_sim.waves.components import COS_BETA, OMEGA, PHASE, SIN_BETA, WAVE_NUMBER, local_amplitude
+from vessel_sim.waves.hull_motion import Triple, hull_motion
 
 # Columns of the table of thrusters.
 X = 0  # m ahead of the origin
@@ -44,26 +44,34 @@ class Inflow:
 
     Attributes
     ----------
-    box, thrusters
-        What the compiled function ``inflow`` takes: the box of the hull, and the table of thrusters, shape (n, 3).
+    thrusters
+        What the compiled function ``inflow`` takes, shape (n, 3).
     """
 
     def __init__(self, vessel: Vessel) -> None:
-        self.box = HullForm.of(vessel).box
-        self.thrusters = np.column_stack([vessel.lever_x, vessel.lever_y, vessel.shaft_depth])
+        self.thrusters: FloatArray = np.ascontiguousarray(
+            np.column_stack([vessel.lever_x, vessel.lever_y, vessel.shaft_depth])
+        )
+
+    def decay(self, components: FloatArray) -> FloatArray:
+        """Return how much of the motion of the water is left at the depth of every shaft, shape (m, n).
+
+        At most 1: see ``components.particle_velocity``.
+        """
+        return np.exp(-components[:, [WAVE_NUMBER]] * np.maximum(0.0, self.thrusters[:, DEPTH]))
 
     def at(
         self,
         position: Triple,
         relative_velocity: Triple,
         azimuth: FloatArray,
-        waves: Sea,
+        waves: Waves,
         time: float,
         current: tuple[float, float] = (0.0, 0.0),
     ) -> tuple[FloatArray, FloatArray]:
         """Return submergence of the shafts (m, negative above the surface) and speed of advance (m/s), shape (n,).
 
-        Numbers are not checked here: the function runs several times a step.
+        Numbers are not checked here.
 
         Parameters
         ----------
@@ -74,19 +82,31 @@ class Inflow:
         azimuth
             rad, float64, shape (n,).
         waves
-            The sea.
+            The sea at the vessel.
         time
             s.
         current
             North, east, m/s; the frequency of encounter goes with the velocity over ground.
         """
-        return inflow(waves.components, self.box, self.thrusters, position, relative_velocity, current, azimuth, time)
+        components = waves.components
+        return inflow(
+            components,
+            waves.response,
+            self.decay(components),
+            self.thrusters,
+            position,
+            relative_velocity,
+            current,
+            azimuth,
+            time,
+        )
 
 
 @compiled
 def inflow(
     components: FloatArray,
-    box: Triple,
+    response: FloatArray,
+    decay: FloatArray,
     thrusters: FloatArray,
     position: Triple,
     relative_velocity: Triple,
@@ -99,16 +119,27 @@ def inflow(
     u, v, r = relative_velocity
     c, s = math.cos(heading), math.sin(heading)
     over_ground = (c * u - s * v + current[0], s * u + c * v + current[1])
-    moved, rate = box_motion(components, box, position, over_ground, time)
+    moved, rate = hull_motion(components, response, position, over_ground, time)
+    turn = r + rate[5]
     n = thrusters.shape[0]
     submergence, advance = np.empty(n), np.empty(n)
     for j in range(n):
         x, y, depth = thrusters[j, X], thrusters[j, Y], thrusters[j, DEPTH]
         at_north, at_east = north + c * x - s * y, east + s * x + c * y
-        surface = elevation(components, at_north, at_east, time)
+        surface = water_north = water_east = 0.0
+        for i in range(components.shape[0]):
+            along = at_north * components[i, COS_BETA] + at_east * components[i, SIN_BETA]
+            a, growth = local_amplitude(components, i, along, time)
+            if a == 0.0 and growth == 0.0:
+                continue
+            theta = components[i, WAVE_NUMBER] * along - components[i, OMEGA] * time + components[i, PHASE]
+            sin_t, cos_t = math.sin(theta), math.cos(theta)
+            surface += a * cos_t
+            # As components.particle_velocity, horizontally.
+            forward = decay[i, j] * (a * components[i, OMEGA] * cos_t - growth * sin_t)
+            water_north += forward * components[i, COS_BETA]
+            water_east += forward * components[i, SIN_BETA]
         submergence[j] = depth + surface + moved[2] - x * moved[4] + y * moved[3]
-        water_north, water_east, _ = particle_velocity(components, at_north, at_east, depth, time)
-        turn = r + rate[5]
         ahead = u + rate[0] + depth * rate[4] - turn * y - (c * water_north + s * water_east)
         to_starboard = v + rate[1] - depth * rate[3] + turn * x - (c * water_east - s * water_north)
         advance[j] = ahead * math.cos(azimuth[j]) + to_starboard * math.sin(azimuth[j])

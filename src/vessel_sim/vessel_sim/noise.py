@@ -15,7 +15,7 @@ from marine_model.guards import FloatArray
 _BLOCK = 1024
 
 # Key of what has random numbers of its own, whoever else draws any. 0 and up are spawned by noise_streams.
-OWN_STREAMS: Mapping[str, int] = {"gusts": 100, "wind_direction": 101, "wind_sensor": 102, "current": 103}
+OWN_STREAMS: Mapping[str, int] = {"gusts": 100, "wind_direction": 101, "wind_sensor": 102, "current": 103, "sea": 104}
 
 
 class NoiseStream:
@@ -55,13 +55,14 @@ def noise_streams(seed: int, *widths: int) -> tuple[NoiseStream, ...]:
 
 def own_stream(seed: int, what: str, width: int) -> NoiseStream:
     """Return the stream of ``what`` out of ``OWN_STREAMS``: no other stream of the run changes with it."""
-    return NoiseStream(_sequence(seed, what), width)
+    return NoiseStream(own_sequence(seed, what), width)
 
 
 def generator(seed: int, what: str) -> np.random.Generator:
     """Return a new generator of the random numbers of ``what`` out of ``OWN_STREAMS``."""
-    return np.random.Generator(np.random.PCG64(_sequence(seed, what)))
+    return np.random.Generator(np.random.PCG64(own_sequence(seed, what)))
 
 
-def _sequence(seed: int, what: str) -> np.random.SeedSequence:
+def own_sequence(seed: int, what: str) -> np.random.SeedSequence:
+    """Return the seed of what is in ``OWN_STREAMS``."""
     return np.random.SeedSequence(seed, spawn_key=(OWN_STREAMS[what],))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -15,16 +15,28 @@ from marine_model.vessel import Vessel
 Switches = Annotated[tuple[bool, ...], Field(strict=False)]
 
 _BREAKING_STEEPNESS = 1.0 / 7.0  # height over length of the steepest wave that does not break (Michell)
+_SEA_STEEPNESS = 1.0 / 15.0  # 2 pi H_s / (g T_p^2) of the steepest seas, DNV-RP-C205, 3.5.5, at short peak periods
 
 
 class WaveSettings(Settings):
-    """Regular long-crested waves in deep water."""
+    """Waves in deep water: regular and long-crested, or irregular."""
 
-    amplitude: float = setting(0.0, "Wave amplitude, half of the height", unit="m", ge=0.0)
-    period: float = setting(1.0, "Wave period seen from a fixed point", unit="s", ge=0.01)
+    kind: Literal["regular", "jonswap", "ittc"] = setting(
+        "regular", "One regular wave, or a sea with the spectrum JONSWAP or ITTC (two parameters, Bretschneider)"
+    )
+    amplitude: float = setting(0.0, "Regular waves: amplitude, half of the height", unit="m", ge=0.0)
+    period: float = setting(1.0, "Regular waves: period seen from a fixed point", unit="s", ge=0.01)
+    significant_height: float = setting(0.0, "Irregular sea: significant wave height", unit="m", ge=0.0)
+    peak_period: float = setting(1.0, "Irregular sea: period of the spectrum's peak", unit="s", ge=0.01)
+    peakedness: float = setting(3.3, "JONSWAP: gamma, height of the peak over one without", ge=1.0, le=20.0)
+    components: int = setting(100, "Irregular sea: number of components", ge=1, le=2000)
+    spreading: float = setting(
+        0.0, "Irregular sea: s of the spreading function cos^2s(delta/2); 0 is long-crested", ge=0.0, le=1000.0
+    )
     direction: float = setting(
         math.pi,
-        "Direction in NED that the waves travel towards; pi is head seas for a ship heading north",
+        "Direction in NED that the waves travel towards (the main one of a short-crested sea); pi is head seas for a "
+        "ship heading north",
         unit="rad",
         ge=-2.0 * math.pi,
         le=2.0 * math.pi,
@@ -32,19 +44,36 @@ class WaveSettings(Settings):
     ramp: float = setting(
         2.0, "Time in which the waves grow or die down, at the start and after a change", unit="s", ge=0.0
     )
+    maker_distance: float = setting(
+        0.0,
+        "How far before the map origin the wave maker is, from which changes travel with the group velocity; 0: they "
+        "come everywhere at once",
+        unit="m",
+        ge=0.0,
+        read_only=True,
+    )
 
     @property
     def wave_number(self) -> float:
-        """Deep-water wave number omega^2 / g, rad/m."""
+        """Deep-water wave number omega^2 / g of regular waves, rad/m."""
         return (2.0 * math.pi / self.period) ** 2 / GRAVITY
 
     @model_validator(mode="after")
     def _does_not_break(self) -> Self:
-        steepness = self.amplitude * self.wave_number / math.pi
-        if steepness > _BREAKING_STEEPNESS:
+        if self.kind == "regular":
+            steepness = self.amplitude * self.wave_number / math.pi
+            if steepness > _BREAKING_STEEPNESS:
+                raise ValueError(
+                    "waves.amplitude and waves.period: expected height over length at most 1/7, where waves break, "
+                    f"found {steepness:.3f} from {self.amplitude} m and {self.period} s"
+                )
+            return self
+        steepness = 2.0 * math.pi * self.significant_height / (GRAVITY * self.peak_period**2)
+        if steepness > _SEA_STEEPNESS:
             raise ValueError(
-                "waves.amplitude and waves.period: expected height over length at most 1/7, where waves break, "
-                f"found {steepness:.3f} from {self.amplitude} m and {self.period} s"
+                "waves.significant_height and waves.peak_period: expected height over length at the peak at most 1/15, "
+                f"as steep as seas get (DNV-RP-C205), found {steepness:.3f} from {self.significant_height} m and "
+                f"{self.peak_period} s"
             )
         return self
 
@@ -125,7 +154,9 @@ class SimulatorSettings(Settings):
     wind: WindSettings = WindSettings()
     propulsion: PropulsionSettings = PropulsionSettings()
     initial: InitialState = InitialState()
-    seed: int = setting(0, "Seed of sensor noise, dropout, gusts and slow variations", ge=0, read_only=True)
+    seed: int = setting(
+        0, "Seed of sensor noise, dropout, irregular seas, gusts and slow variations", ge=0, read_only=True
+    )
     sensor_noise: bool = setting(True, "Sensors have the noise that the vessel file gives them")
     pose_dropout: float = setting(
         0.0, "Chance that a pose is lost, on top of the vessel file's dropout", ge=0.0, le=1.0

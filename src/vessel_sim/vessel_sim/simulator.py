@@ -13,12 +13,26 @@ from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 from vessel_sim.current import Current
 from vessel_sim.hull import Hull, Triple
-from vessel_sim.inflow import Inflow
-from vessel_sim.noise import noise_streams, own_stream
+from vessel_sim.inflow import Inflow, inflow
+from vessel_sim.noise import noise_streams, own_sequence, own_stream
 from vessel_sim.propulsion import PropulsionPlant, columns
-from vessel_sim.propulsion.readings import sensed
+from vessel_sim.propulsion.step import GOOD, first_bad
+from vessel_sim.sail import (
+    CURRENT_EAST,
+    CURRENT_NORTH,
+    FORCE_N,
+    FORCE_X,
+    MOTION,
+    OUTSIDE,
+    SURGE,
+    THRUSTER_X,
+    low_frequency,
+    sail,
+    seen,
+)
 from vessel_sim.settings import SimulatorSettings, check_settings
-from vessel_sim.waves import HullForm, Waves
+from vessel_sim.waves import Waves, hull_in_waves
+from vessel_sim.waves.components import elevation
 from vessel_sim.wind import Wind
 
 
@@ -55,7 +69,8 @@ class SimulatorTruth:
     velocity: FloatArray  # low-frequency, over ground, m/s, m/s, rad/s in the body frame
     wave_position: FloatArray  # first-order displacement, m, m, rad in NED
     wave_velocity: FloatArray  # its rate of change, m/s, m/s, rad/s in NED
-    wave_force: FloatArray  # mean drift, N, N, N m in the body frame
+    wave_force: FloatArray  # mean and slowly varying drift, N, N, N m in the body frame
+    wave_elevation: float  # of the undisturbed sea at the low-frequency place of the origin, m, positive up
     current_force: FloatArray  # hydrodynamic force less what it would be without current, body frame
     wind_force: FloatArray  # N, N, N m in the body frame
     current: FloatArray  # (2,) m/s north, east
@@ -94,7 +109,7 @@ class Simulator:
         settings = settings or SimulatorSettings()
         self._vessel = vessel
         self._hull = Hull(vessel)
-        self._waves = Waves(HullForm.of(vessel), settings.waves)
+        self._waves = Waves(hull_in_waves(vessel), settings.waves, own_sequence(settings.seed, "sea"))
         self._plant = PropulsionPlant(vessel)
         self._inflow = Inflow(vessel)
         self._time_step = vessel.simulation.time_step
@@ -108,14 +123,13 @@ class Simulator:
 
         self._time = 0.0
         start = settings.initial
-        self._position: Triple = (start.north, start.east, start.heading)
-        self._relative: Triple = (0.0, 0.0, 0.0)  # velocity through the water, body frame
-        self._current = (0.0, 0.0)  # NED
+        self._motion: FloatArray = np.zeros(MOTION)
+        self._motion[:SURGE] = start.north, start.east, start.heading
+        self._outside: FloatArray = np.zeros(OUTSIDE)
         self._current_source = Current(settings.current, settings.seed)
         self._wind = Wind(vessel, settings.wind, settings.seed)
         self._has_wind_sensor = vessel.wind_forces is not None
-        self._wind_force: Triple = (0.0, 0.0, 0.0)  # held over the step
-        self._thruster_force: Triple = (0.0, 0.0, 0.0)
+        self._meet_sea()
         self._settings = settings
         self.apply(settings)
         depth, flow = self._water_at_propellers()
@@ -143,20 +157,26 @@ class Simulator:
         Raises
         ------
         InputError
-            If they differ in what is fixed at the start (seed, initial), or do not fit the vessel; nothing is changed
-            then.
+            If they differ in what is fixed at the start (seed, initial, waves.maker_distance), or do not fit the
+            vessel; nothing is changed then.
         """
         check_settings(settings, self._vessel)
-        for name in ("seed", "initial"):
-            now, asked = getattr(self._settings, name), getattr(settings, name)
+        fixed: tuple[tuple[str, object, object], ...] = (
+            ("seed", self._settings.seed, settings.seed),
+            ("initial", self._settings.initial, settings.initial),
+            ("waves.maker_distance", self._settings.waves.maker_distance, settings.waves.maker_distance),
+        )
+        for name, now, asked in fixed:
             if now != asked:
                 raise InputError(f"{name}: cannot change during a run, expected {now}, found {asked}")
         if settings.wind != self._settings.wind:
             self._wind.apply(settings.wind)
+            self._outside[FORCE_X : FORCE_N + 1] = 0.0  # until the next step
         self._current_source.settings = settings.current
         self._set_current()
         if settings.waves != self._settings.waves:
-            self._waves.apply(settings.waves)
+            self._waves.apply(settings.waves, self._time)
+            self._meet_sea()
         self._plant.ventilation = settings.propulsion.ventilation
         self._plant.fail(settings.propulsion.failed, settings.propulsion.azimuth_failed)
         self._settings = settings
@@ -179,10 +199,37 @@ class Simulator:
         """
         if not 0.0 < dt <= self._time_step * (1.0 + 1e-9):  # a dt from stamps is off by rounding
             raise InputError(f"dt: expected above 0 and at most {self._time_step} s, found {dt}")
-        self._plant.command(inputs.torque, inputs.azimuth_rate, inputs.pitch_ratio)
-        self._vary_current_and_wind(dt)
-        self._sail(dt)
+        plant, waves = self._plant, self._waves
+        asked = plant.command(inputs.torque, inputs.azimuth_rate, inputs.pitch_ratio)
+        if self._current_source.varies or self._wind.blows:
+            # Neither may go on if the step is refused.
+            parameters, _, _, state, given, before = asked
+            bad = first_bad(parameters, state, given, before, 0, columns.ADVANCE_SPEED_INPUT)
+            if bad != GOOD:
+                plant.refuse(bad)
+            self._vary_current_and_wind(dt)
+        bad = sail(
+            self._hull.coefficients,
+            self._motion,
+            self._outside,
+            waves.components,
+            waves.response,
+            self._decay,
+            self._inflow.thrusters,
+            *asked,
+            plant.ventilation,
+            self._settings.propulsion.inflow,
+            self._time,
+            dt,
+        )
+        if bad != GOOD:
+            plant.refuse(bad)
+        plant.accept()
         self._time += dt
+        if self._time >= waves.next_look:
+            north, east, _ = self._position
+            waves.tidy(north, east, self._time)
+            self._meet_sea()
         self._output = self._observe()
         return self._output
 
@@ -208,8 +255,8 @@ class Simulator:
         kept = (1.0 - data.dropout) * (1.0 - self._settings.pose_dropout)
         pose = None
         if chance < kept:
-            north, east, heading = self._position
-            w_north, w_east, w_heading = self._waves.motion(self._position, self._velocity_ned(), self._time)[0]
+            north, east, heading = place = self._position
+            w_north, w_east, w_heading = self._waves.motion(place, self._velocity_ned(), self._time)[0]
             if self._settings.sensor_noise:
                 e_north, e_east, e_heading = noise.tolist()
                 w_north += data.position_noise * e_north
@@ -232,7 +279,8 @@ class Simulator:
             return self._wind_measured[1]
         (e_speed, e_angle), _ = self._wind_noise.row()
         north, east = self._wind.velocity(self._time)
-        c, s = math.cos(self._position[2]), math.sin(self._position[2])
+        heading = self._position[2]
+        c, s = math.cos(heading), math.sin(heading)
         u, v, _ = self._velocity()
         ahead, starboard = c * north + s * east - u, c * east - s * north - v
         data = self._measurement
@@ -246,8 +294,8 @@ class Simulator:
 
     def truth(self) -> SimulatorTruth:
         """Return the true state now."""
-        position, rate = self._waves.motion(self._position, self._velocity_ned(), self._time)
-        heading = self._position[2]
+        place = self._position
+        position, rate = self._waves.motion(place, self._velocity_ned(), self._time)
         u, v, r = velocity = self._velocity()
         with_current = self._hull.hydrodynamic_force(*self._relative)
         without = self._hull.hydrodynamic_force(u, v, r)
@@ -255,15 +303,16 @@ class Simulator:
         depth, flow = self._water_at_propellers()
         return SimulatorTruth(
             time=self._time,
-            position=np.array(self._position),
+            position=np.array(place),
             velocity=np.array(velocity),
             wave_position=np.array(position),
             wave_velocity=np.array(rate),
-            wave_force=np.array(self._waves.drift_force(math.cos(heading), math.sin(heading))),
+            wave_force=np.array(self._waves.drift_force(place, self._time)),
+            wave_elevation=elevation(self._waves.components, place[0], place[1], self._time),
             current_force=np.array(with_current) - np.array(without),
-            wind_force=np.array(self._wind.force(self._time, heading, u, v)),
+            wind_force=np.array(self._wind.force(self._time, place[2], u, v)),
             current=np.array(self._current),
-            thruster_force=np.array(self._thruster_force),
+            thruster_force=self._motion[THRUSTER_X:].copy(),
             thrust=state[columns.THRUST],
             azimuth=wrap_angles(state[columns.AZIMUTH]),
             shaft_speed=state[columns.SHAFT_SPEED],
@@ -282,107 +331,90 @@ class Simulator:
         """Return the energy of hull and entrained water in the frame of the water, J."""
         return self._hull.kinetic_energy(*self._relative)
 
+    @property
+    def _position(self) -> Triple:
+        """Low-frequency north (m), east (m), heading (rad)."""
+        north, east, heading = self._motion[:SURGE].tolist()
+        return north, east, heading
+
+    @property
+    def _relative(self) -> Triple:
+        """Velocity through the water, body frame."""
+        u, v, r = self._motion[SURGE:THRUSTER_X].tolist()
+        return u, v, r
+
+    @property
+    def _current(self) -> tuple[float, float]:
+        """North, east, m/s."""
+        return float(self._outside[CURRENT_NORTH]), float(self._outside[CURRENT_EAST])
+
     def _set_current(self) -> None:
         """Take over the current: the velocity over ground does not jump, that through the water does."""
         north, east = self._current_source.velocity
-        more_north, more_east = north - self._current[0], east - self._current[1]
-        c, s = math.cos(self._position[2]), math.sin(self._position[2])
+        before = self._current
+        more_north, more_east = north - before[0], east - before[1]
         u, v, r = self._relative
-        self._relative = (u - c * more_north - s * more_east, v + s * more_north - c * more_east, r)
-        self._current = (north, east)
+        heading = self._position[2]
+        c, s = math.cos(heading), math.sin(heading)
+        self._motion[SURGE:THRUSTER_X] = (
+            u - c * more_north - s * more_east,
+            v + s * more_north - c * more_east,
+            r,
+        )
+        self._outside[CURRENT_NORTH], self._outside[CURRENT_EAST] = north, east
 
     def _vary_current_and_wind(self, dt: float) -> None:
         """Set the current and the wind force that hold over the step."""
         if self._current_source.advance(dt):
             self._set_current()
-        if self._wind.blows:
-            self._wind.advance(dt)
-            u, v, _ = self._velocity()
-            self._wind_force = self._wind.force(self._time + 0.5 * dt, self._position[2], u, v)
-        else:
-            self._wind_force = (0.0, 0.0, 0.0)
+        self._wind.advance(dt)
+        u, v, _ = self._velocity()
+        self._outside[FORCE_X : FORCE_N + 1] = self._wind.force(self._time + 0.5 * dt, self._position[2], u, v)
 
-    def _sail(self, dt: float) -> None:
-        """Heun's method on position and velocity through the water.
-
-        The predictor tells the plant what the water at its propellers is at the end of the step, and the plant the
-        thruster force there.
-        """
-        north, east, heading = self._position
-        u, v, r = self._relative
-        current_north, current_east = self._current
-        acceleration = self._hull.acceleration
-        drift = self._waves.drift_force
-        ax, ay, an = self._wind_force
-
-        c, s = math.cos(heading), math.sin(heading)
-        fx, fy, fn = self._thruster_force
-        wx, wy, wn = drift(c, s)
-        du, dv, dr = acceleration(u, v, r, fx + wx + ax, fy + wy + ay, fn + wn + an)
-        self._waves.advance(dt)
-
-        ahead = u2, v2, r2 = u + dt * du, v + dt * dv, r + dt * dr
-        heading2 = heading + dt * r
-        c2, s2 = math.cos(heading2), math.sin(heading2)
-        place = (
-            north + dt * (c * u - s * v + current_north),
-            east + dt * (s * u + c * v + current_east),
-            heading2,
-        )
-        self._step_thrusters(place, ahead, dt)
-        fx, fy, fn = self._thruster_force
-        wx, wy, wn = drift(c2, s2)
-        du2, dv2, dr2 = acceleration(u2, v2, r2, fx + wx + ax, fy + wy + ay, fn + wn + an)
-
-        half = 0.5 * dt
-        self._position = (
-            north + half * (c * u - s * v + c2 * u2 - s2 * v2) + dt * current_north,
-            east + half * (s * u + c * v + s2 * u2 + c2 * v2) + dt * current_east,
-            heading + half * (r + r2),
-        )
-        self._relative = (u + half * (du + du2), v + half * (dv + dv2), r + half * (dr + dr2))
-
-    def _step_thrusters(self, position: Triple, relative: Triple, dt: float) -> None:
-        """Advance the plant to where the hull will be; leave the thruster force at the end of the step."""
-        self._thruster_force = self._plant.advance_in_sea(
-            self._inflow,
-            position,
-            relative,
-            self._current,
-            self._waves,
-            self._time + dt,
-            dt,
-            self._settings.propulsion.inflow,
-        )
+    def _meet_sea(self) -> None:
+        """Find what goes with the components of the sea, after they have changed."""
+        self._decay: FloatArray = self._inflow.decay(self._waves.components)
 
     def _water_at_propellers(self) -> tuple[FloatArray, FloatArray]:
         """Return submergence (m) and advance speed (m/s) of all propellers now, shape (n,) each."""
         azimuth = self._plant.state[:, columns.AZIMUTH].copy()
-        return self._inflow.at(self._position, self._relative, azimuth, self._waves, self._time, self._current)
+        waves = self._waves
+        return inflow(
+            waves.components,
+            waves.response,
+            self._decay,
+            self._inflow.thrusters,
+            self._position,
+            self._relative,
+            self._current,
+            azimuth,
+            self._time,
+        )
 
     def _velocity(self) -> Triple:
         """Velocity over ground in the body frame."""
-        u, v, r = self._relative
-        north, east = self._current
-        c, s = math.cos(self._position[2]), math.sin(self._position[2])
-        return u + c * north + s * east, v - s * north + c * east, r
+        u, v, r = low_frequency(self._motion, self._outside)[3:].tolist()
+        return u, v, r
 
     def _velocity_ned(self) -> tuple[float, float]:
         u, v, _ = self._relative
-        c, s = math.cos(self._position[2]), math.sin(self._position[2])
-        return c * u - s * v + self._current[0], s * u + c * v + self._current[1]
+        heading = self._position[2]
+        c, s = math.cos(heading), math.sin(heading)
+        north, east = self._current
+        return c * u - s * v + north, s * u + c * v + east
 
     def _observe(self) -> SimulatorOutput:
         """Read the thruster sensors."""
         noise, _ = self._thruster_noise.row()
         data = self._measurement
         on = self._settings.sensor_noise
-        rows = sensed(
+        motion, rows = seen(
+            self._motion,
+            self._outside,
             self._plant.parameters,
             self._plant.state,
             noise,
             data.shaft_speed_noise if on else 0.0,
             data.azimuth_noise if on else 0.0,
         )
-        motion = np.array([self._position, self._velocity()])
-        return SimulatorOutput(self._time, motion[0], motion[1], rows[0], rows[1], rows[2], rows[3], rows[4], rows[5])
+        return SimulatorOutput(self._time, motion[:3], motion[3:], *rows)

@@ -19,6 +19,7 @@ from marine_model.errors import InputError
 from marine_model.propellers.sections import BollardData
 from marine_model.thruster import AzimuthThruster
 from vessel_sim.propulsion import PlantTables, PropulsionPlant, columns
+from vessel_sim.propulsion.step import GOOD, advance_rows, first_bad
 
 Array = NDArray[np.float64]
 VESSEL = load_vessel("cybership3")
@@ -281,13 +282,16 @@ def test_the_last_pitch_set_point_stays_where_none_is_given() -> None:
     assert once.state[1, columns.PITCH_RATIO] != MIXED.pitch_ratio[1]
 
 
-def test_command_and_advance_are_a_step() -> None:
+def test_a_command_with_the_water_found_later_is_a_step() -> None:
     apart, together = PropulsionPlant(MIXED), PropulsionPlant(MIXED)
     torque, rate = np.array([0.0005, 0.02, 0.1, 0.1]), np.array([0.0, 0.5, -0.5, 0.1])
     for k in range(20):
         flow = np.full(N, 0.01 * k)
-        apart.command(torque, rate, None)
-        apart.advance(flow, DEEP, H)
+        *tables, rows, inputs, before = apart.command(torque, rate, None)
+        assert first_bad(tables[0], rows, inputs, before, 0, columns.ADVANCE_SPEED_INPUT) == GOOD
+        inputs[columns.ADVANCE_SPEED_INPUT], inputs[columns.SUBMERGENCE_INPUT] = flow, DEEP
+        advance_rows(*tables, rows, inputs, apart.ventilation, H, 0, N)
+        apart.accept()
         together.step(torque, rate, None, flow, DEEP, H)
     assert apart.state.tolist() == together.state.tolist()
 

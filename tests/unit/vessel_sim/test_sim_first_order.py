@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from marine_model import load_vessel
 from vessel_sim import WaveSettings
 from vessel_sim.waves import HullForm, IrregularSea, Jonswap, Waves
-from vessel_sim.waves.hull_form import box_motion, box_response
+from vessel_sim.waves.hull_form import box_response
+from vessel_sim.waves.hull_motion import hull_motion
 
 VESSEL = load_vessel("cybership3")
 FORM = HullForm.of(VESSEL)
@@ -40,7 +41,7 @@ def test_heave_roll_and_pitch_fit_the_vertical_displacement_of_the_water(heading
     # Plane that fits best: up = -heave + pitch x - roll y, as the bow rises with pitch, the port side with roll.
     heave, pitch, roll = -up.mean(), (x * up).sum() / (x**2).sum(), -(y * up).sum() / (y**2).sum()
 
-    moved, _ = box_motion(waves.components, FORM.box, (north, east, heading), (0.0, 0.0), time)
+    moved, _ = hull_motion(waves.components, waves.response, (north, east, heading), (0.0, 0.0), time)
     # The midpoint rule errs by (k dx)^2 / 24, 2e-5 of the amplitude, or slope k a <= 0.063, at the shortest wave.
     assert moved[2:5] == pytest.approx((heave, roll, pitch), abs=2e-6)
 
@@ -50,7 +51,7 @@ def test_in_a_long_wave_the_hull_floats_on_the_surface(direction: float, heading
     period, amplitude = 60.0, 1.0  # k L = 2e-3
     waves = sea(amplitude, period, direction)
     k = WaveSettings(period=period).wave_number
-    moved, _ = box_motion(waves.components, FORM.box, (2.0, 5.0, heading), (0.0, 0.0), time)
+    moved, _ = hull_motion(waves.components, waves.response, (2.0, 5.0, heading), (0.0, 0.0), time)
     c, s, e = math.cos(heading), math.sin(heading), 1e-3
     north, east = np.array([2.0 + e * c, 2.0 - e * c]), np.array([5.0 + e * s, 5.0 - e * s])
     ahead = -np.diff(waves.elevation(north, east, time))[0] / (2.0 * e)
@@ -83,12 +84,11 @@ def test_rates_are_the_derivatives_of_the_motion_of_a_moving_ship(
 ) -> None:
     settings = WaveSettings(amplitude=0.02, period=1.1, direction=direction, ramp=ramp)
     velocity = (speed, 0.3)
+    waves = Waves(FORM, settings)
 
     def at(t: float) -> tuple[np.ndarray, np.ndarray]:
-        waves = Waves(FORM, settings)
-        waves.advance(t)
-        position, rate = box_motion(
-            waves.components, FORM.box, (velocity[0] * t, velocity[1] * t, heading), velocity, t
+        position, rate = hull_motion(
+            waves.components, waves.response, (velocity[0] * t, velocity[1] * t, heading), velocity, t
         )
         return np.array(position), np.array(rate)
 
@@ -99,7 +99,8 @@ def test_rates_are_the_derivatives_of_the_motion_of_a_moving_ship(
 
 
 def test_head_seas_neither_roll_nor_sway_nor_yaw() -> None:
-    moved, rate = box_motion(sea(0.02, 1.5, math.pi).components, FORM.box, (0.3, 0.0, 0.0), (0.1, 0.0), 0.7)
+    waves = sea(0.02, 1.5, math.pi)
+    moved, rate = hull_motion(waves.components, waves.response, (0.3, 0.0, 0.0), (0.1, 0.0), 0.7)
     for motion in (moved, rate):
         assert (motion[1], motion[3], motion[5]) == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
         assert abs(motion[2]) > 1e-4
@@ -107,8 +108,11 @@ def test_head_seas_neither_roll_nor_sway_nor_yaw() -> None:
 
 
 def test_an_irregular_sea_moves_the_hull_by_the_sum_of_its_components() -> None:
-    waves = IrregularSea(Jonswap(0.05, 1.6), 0.4, seed=7, count=20)
+    components = IrregularSea(Jonswap(0.05, 1.6), 0.4, seed=7, count=20, spreading=5.0).components
+    response = FORM.table(components)
     place = (1.0, -2.0, 0.9)
-    whole = np.array(box_motion(waves.components, FORM.box, place, (0.1, 0.0), 12.0))
-    parts = sum(np.array(box_motion(waves.components[i : i + 1], FORM.box, place, (0.1, 0.0), 12.0)) for i in range(20))
+    whole = np.array(hull_motion(components, response, place, (0.1, 0.0), 12.0))
+    parts = sum(
+        np.array(hull_motion(components[i : i + 1], response[i : i + 1], place, (0.1, 0.0), 12.0)) for i in range(20)
+    )
     np.testing.assert_allclose(whole, parts, rtol=0.0, atol=1e-15)

@@ -14,8 +14,9 @@ from scipy.integrate import solve_ivp
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
 from marine_model.frames import rotation
-from vessel_sim import CurrentSettings, Simulator, SimulatorInputs, SimulatorSettings
+from vessel_sim import CurrentSettings, PropulsionSettings, Simulator, SimulatorInputs, SimulatorSettings
 from vessel_sim.hull import Hull
+from vessel_sim.sail import FORCE_N, FORCE_X
 
 Array = NDArray[np.float64]
 VESSEL = load_vessel("cybership3")
@@ -77,8 +78,12 @@ def test_moving_frame_agrees_with_the_form_in_absolute_velocity() -> None:
     duration = 20.0
     reference = solve_ivp(rate, (0.0, duration), np.zeros(6), rtol=1e-11, atol=1e-12).y[:, -1]
 
-    sim = Simulator(VESSEL, SimulatorSettings(current=CurrentSettings(speed=0.15, direction=0.8)))
-    hold_force(sim, tuple(tau.tolist()))
+    # Propellers at rest have no force without inflow: what moves the ship is the force from outside.
+    settings = SimulatorSettings(
+        current=CurrentSettings(speed=0.15, direction=0.8), propulsion=PropulsionSettings(inflow=False)
+    )
+    sim = Simulator(VESSEL, settings)
+    sim._outside[FORCE_X : FORCE_N + 1] = tau
     dt = VESSEL.simulation.time_step
     still = SimulatorInputs(np.zeros(4), np.zeros(4))
     for _ in range(round(duration / dt)):
@@ -87,12 +92,6 @@ def test_moving_frame_agrees_with_the_form_in_absolute_velocity() -> None:
     assert output.position == pytest.approx(reference[:3], abs=2e-6)
     assert output.velocity == pytest.approx(reference[3:], abs=2e-6)
     assert abs(reference[2]) > 1.0  # the ship has turned, so that the frames matter
-
-
-def hold_force(sim: Simulator, force: tuple[float, float, float]) -> None:
-    """Replace the thrusters by a constant generalized force."""
-    sim._thruster_force = force
-    sim._step_thrusters = lambda *_: None  # type: ignore[method-assign]
 
 
 def test_time_step_too_long_for_the_hull_is_refused() -> None:

@@ -16,8 +16,7 @@ from vessel_sim import WaveSettings
 from vessel_sim.inflow import Inflow
 from vessel_sim.waves import HullForm, Waves
 from vessel_sim.waves.components import PHASE
-from vessel_sim.waves.hull_form import box_motion
-from vessel_sim.waves.sea import Sea
+from vessel_sim.waves.hull_motion import hull_motion
 
 DEPTHS = [0.08, 0.19, 0.115, 0.115]
 
@@ -38,16 +37,10 @@ def vessel(tmp_path_factory: pytest.TempPathFactory) -> Vessel:
     return ship(tmp_path_factory.mktemp("vessels"))
 
 
-class Frozen(Sea):
-    """One component with a phase of one's choice."""
-
-    def __init__(self, waves: Waves, phase: float) -> None:
-        self._rows = waves.components.copy()
-        self._rows[:, PHASE] = phase
-
-    @property
-    def components(self) -> np.ndarray:
-        return self._rows
+def frozen(waves: Waves, phase: float) -> Waves:
+    """Give the component of ``waves`` a phase of one's choice."""
+    waves.components[:, PHASE] = phase
+    return waves
 
 
 def sea(vessel: Vessel, amplitude: float, period: float = 1.0, direction: float = 0.0) -> Waves:
@@ -108,8 +101,7 @@ def test_a_crest_at_the_thruster_deepens_it(vessel: Vessel) -> None:
     waves = sea(vessel, 1e-4, 0.05)
     k = WaveSettings(period=0.05).wave_number
     for phase, sign in ((0.0, 1.0), (math.pi, -1.0)):
-        frozen = Frozen(waves, phase - k * 0.84)
-        submergence, _ = Inflow(vessel).at(REST, REST, AHEAD, frozen, 0.0)
+        submergence, _ = Inflow(vessel).at(REST, REST, AHEAD, frozen(waves, phase - k * 0.84), 0.0)
         # e = 1 / (k T) = 4e-3 and j0 = 1 / (k L / 2) = 6e-4 of the amplitude are left of heave, some of pitch.
         assert submergence[0] == pytest.approx(0.08 + sign * 1e-4, abs=1e-6)
 
@@ -117,8 +109,8 @@ def test_a_crest_at_the_thruster_deepens_it(vessel: Vessel) -> None:
 def test_the_bow_thruster_is_deepened_by_bow_down_pitch(vessel: Vessel) -> None:
     # Waves from astern: on the back slope, theta = pi / 2, the surface falls ahead and the bow is down.
     # Short enough that the hull does not follow the surface fully (k L / 2 = 1.98 at 1.4 s).
-    waves = Frozen(sea(vessel, 0.03, 1.4), math.pi / 2.0)
-    moved, _ = box_motion(waves.components, HullForm.of(vessel).box, REST, (0.0, 0.0), 0.0)
+    waves = frozen(sea(vessel, 0.03, 1.4), math.pi / 2.0)
+    moved, _ = hull_motion(waves.components, waves.response, REST, (0.0, 0.0), 0.0)
     assert moved[4] < -0.01
     assert moved[2] == pytest.approx(0.0, abs=1e-12)
     submergence, _ = Inflow(vessel).at(REST, REST, AHEAD, waves, 0.0)
@@ -130,8 +122,8 @@ def test_the_bow_thruster_is_deepened_by_bow_down_pitch(vessel: Vessel) -> None:
 
 def test_the_starboard_thruster_is_deepened_by_roll_to_starboard(vessel: Vessel) -> None:
     # Waves to starboard on their back slope: the surface falls to starboard, and so does the ship.
-    waves = Frozen(sea(vessel, 0.03, 1.4, math.pi / 2.0), math.pi / 2.0)
-    moved, _ = box_motion(waves.components, HullForm.of(vessel).box, REST, (0.0, 0.0), 0.0)
+    waves = frozen(sea(vessel, 0.03, 1.4, math.pi / 2.0), math.pi / 2.0)
+    moved, _ = hull_motion(waves.components, waves.response, REST, (0.0, 0.0), 0.0)
     assert moved[3] > 0.01
     submergence, _ = Inflow(vessel).at(REST, REST, AHEAD, waves, 0.0)
     surface = waves.elevation(vessel.lever_x, vessel.lever_y, 0.0)
@@ -152,7 +144,7 @@ def test_advance_is_the_motion_of_the_thruster_less_that_of_the_water(
     vessel: Vessel, heading: float, direction: float, azimuth: float, time: float, u: float, v: float
 ) -> None:
     waves = sea(vessel, 0.02, 1.3, direction)
-    box, inflow = HullForm.of(vessel).box, Inflow(vessel)
+    inflow = Inflow(vessel)
     current = np.array([0.05, -0.1])
     c, s = math.cos(heading), math.sin(heading)
     turn = np.array([[c, -s], [s, c]])
@@ -161,7 +153,7 @@ def test_advance_is_the_motion_of_the_thruster_less_that_of_the_water(
     def shaft(t: float) -> np.ndarray:
         """Offset of every thruster from the steady voyage, in the axes of the ship; small angles."""
         place = (*(over_ground * t), heading)
-        moved, _ = box_motion(waves.components, box, place, tuple(over_ground), t)
+        moved, _ = hull_motion(waves.components, waves.response, place, tuple(over_ground), t)
         x, y, z = vessel.lever_x, vessel.lever_y, np.array(DEPTHS)
         return np.array([moved[0] + z * moved[4] - y * moved[5], moved[1] - z * moved[3] + x * moved[5]])
 

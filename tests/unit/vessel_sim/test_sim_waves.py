@@ -13,7 +13,8 @@ from pydantic import ValidationError
 from marine_model import load_vessel
 from marine_model.constants import GRAVITY
 from vessel_sim import SimulatorSettings, WaveSettings
-from vessel_sim.waves import HullForm, Waves, WaveTrain
+from vessel_sim.waves import HullForm, Waves
+from vessel_sim.waves.components import OMEGA, WAVE_NUMBER
 
 VESSEL = load_vessel("cybership3")
 FORM = HullForm.of(VESSEL)
@@ -84,10 +85,9 @@ def test_velocity_is_the_derivative_of_the_motion_of_a_moving_ship(
 ) -> None:
     settings = WaveSettings(amplitude=0.02, period=1.1, direction=direction, ramp=ramp)
     velocity = (speed, 0.3)
+    waves = Waves(FORM, settings)
 
     def at(t: float) -> tuple[np.ndarray, np.ndarray]:
-        waves = Waves(FORM, settings)
-        waves.advance(t)
         place = (velocity[0] * t, velocity[1] * t, heading)
         position, rate = waves.motion(place, velocity, t)
         return np.array(position), np.array(rate)
@@ -100,17 +100,23 @@ def test_velocity_is_the_derivative_of_the_motion_of_a_moving_ship(
 
 def test_a_ship_under_way_meets_the_waves_at_the_frequency_of_encounter() -> None:
     settings = WaveSettings(amplitude=0.01, period=2.0, direction=math.pi)
-    train = WaveTrain(settings)
     omega, speed = math.pi, 0.4
-    # Head seas at 0.4 m/s: omega_e = omega + omega^2 U / g.
-    change = train.phase(speed * 1.0, 0.0, 1.0) - train.phase(0.0, 0.0, 0.0)
-    assert -change == pytest.approx(omega + omega**2 * speed / GRAVITY, rel=1e-12)
+    # Head seas at 0.4 m/s: omega_e = omega + omega^2 U / g. After its period the ship moves as before.
+    period = 2.0 * math.pi / (omega + omega**2 * speed / GRAVITY)
+    waves = grown(settings)
+
+    def motion(time: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        return waves.motion((speed * time, 0.0, 0.1), (speed, 0.0), time)
+
+    for before, after in zip(motion(0.3), motion(0.3 + 3.0 * period), strict=True):
+        assert after == pytest.approx(before, abs=1e-12)
+    assert waves.components[0, [OMEGA, WAVE_NUMBER]] == pytest.approx([omega, omega**2 / GRAVITY], rel=1e-12)
 
 
 def test_drift_in_head_seas_of_run_g() -> None:
     # 0.5 * 1000 * 9.81 * 0.04^2 * 0.44 / 2 = 1.727 N astern ([Ruth] Table 6.3 needs more than 1.7 N).
     waves = grown(WaveSettings(amplitude=0.04, period=0.8, direction=math.pi))
-    x, y, n = waves.drift_force(1.0, 0.0)
+    x, y, n = waves.drift_force((0.0, 0.0, 0.0), 0.0)
     assert x == pytest.approx(-1.7266, abs=1e-4)
     assert (y, n) == pytest.approx((0.0, 0.0), abs=1e-12)
 
@@ -118,54 +124,32 @@ def test_drift_in_head_seas_of_run_g() -> None:
 def test_drift_on_the_beam() -> None:
     # 0.87 * 1000 * 9.81 * 0.02^2 * 1.97 / 2 = 3.3627 N to starboard, waves from port (towards east, heading north).
     waves = grown(WaveSettings(amplitude=0.02, period=0.8, direction=math.pi / 2.0))
-    x, y, n = waves.drift_force(1.0, 0.0)
+    x, y, n = waves.drift_force((0.0, 0.0, 0.0), 0.0)
     assert y == pytest.approx(3.3627, abs=1e-4)
     assert (x, n) == pytest.approx((0.0, 0.0), abs=1e-12)
     # The same waves seen from a ship that heads east push it ahead.
-    assert waves.drift_force(0.0, 1.0)[0] == pytest.approx(0.5 * 1000.0 * 9.81 * 0.02**2 * 0.44 / 2.0)
+    assert waves.drift_force((0.0, 0.0, 0.5 * math.pi), 0.0)[0] == pytest.approx(
+        0.5 * 1000.0 * 9.81 * 0.02**2 * 0.44 / 2.0
+    )
 
 
 @given(direction=st.floats(-3.0, 3.0), factor=st.floats(0.1, 3.0))
 def test_drift_grows_with_the_square_of_the_amplitude(direction: float, factor: float) -> None:
     def force(amplitude: float) -> np.ndarray:
         waves = grown(WaveSettings(amplitude=amplitude, period=1.5, direction=direction))
-        return np.array(waves.drift_force(0.6, 0.8))
+        return np.array(waves.drift_force((0.0, 0.0, math.acos(0.6)), 0.0))
 
     assert force(0.01 * factor) == pytest.approx(force(0.01) * factor**2, rel=1e-12)
-
-
-def test_amplitude_ramps_at_the_start_and_after_changes() -> None:
-    settings = WaveSettings(amplitude=0.04, period=1.0, direction=0.0, ramp=2.0)
-    waves = Waves(FORM, settings)
-
-    def amplitude() -> float:
-        return math.sqrt(waves.drift_force(1.0, 0.0)[0] / FORM.drift[0])
-
-    assert amplitude() == 0.0
-    waves.advance(1.0)
-    assert amplitude() == pytest.approx(0.02)
-    waves.advance(1.0)
-    assert amplitude() == pytest.approx(0.04)
-    waves.advance(1.0)
-    assert amplitude() == pytest.approx(0.04)
-    waves.apply(settings.model_copy(update={"amplitude": 0.01, "ramp": 3.0}))
-    waves.advance(1.0)
-    assert amplitude() == pytest.approx(0.03)
-    waves.apply(settings.model_copy(update={"amplitude": 0.0, "ramp": 0.0}))
-    assert amplitude() == 0.0
-    assert waves.elevation(0.0, 0.0, 0.0) == 0.0
 
 
 def test_a_change_of_period_hands_over_without_a_jump() -> None:
     waves = grown(WaveSettings(amplitude=0.02, period=1.5, direction=0.0))
     before = waves.motion((1.0, 2.0, 0.3), (0.0, 0.0), 5.0)[0]
-    waves.apply(WaveSettings(amplitude=0.03, period=2.5, direction=1.0, ramp=4.0))
-    assert waves.motion((1.0, 2.0, 0.3), (0.0, 0.0), 5.0)[0] == before
-    for _ in range(200):
-        waves.advance(0.02)
-    after = waves.motion((1.0, 2.0, 0.3), (0.0, 0.0), 5.0)[0]
+    waves.apply(WaveSettings(amplitude=0.03, period=2.5, direction=1.0, ramp=4.0), 5.0)
+    assert waves.motion((1.0, 2.0, 0.3), (0.0, 0.0), 5.0)[0] == pytest.approx(before, abs=1e-15)
+    after = waves.motion((1.0, 2.0, 0.3), (0.0, 0.0), 9.0)[0]
     expected = grown(WaveSettings(amplitude=0.03, period=2.5, direction=1.0))
-    assert after == pytest.approx(expected.motion((1.0, 2.0, 0.3), (0.0, 0.0), 5.0)[0], rel=1e-9)
+    assert after == pytest.approx(expected.motion((1.0, 2.0, 0.3), (0.0, 0.0), 9.0)[0], rel=1e-9)
 
 
 def test_breaking_waves_are_refused() -> None:
@@ -175,8 +159,29 @@ def test_breaking_waves_are_refused() -> None:
         WaveSettings(amplitude=0.072, period=0.8)
 
 
+@pytest.mark.parametrize("kind", ["jonswap", "ittc"])
+def test_seas_steeper_than_any_are_refused(kind: str) -> None:
+    # At a peak of 0.8 s the wavelength is 0.999 m: 0.0666 m is the largest significant height.
+    WaveSettings.model_validate({"kind": kind, "significant_height": 0.0665, "peak_period": 0.8})
+    with pytest.raises(ValidationError, match=r"waves\.significant_height and waves\.peak_period.*1/15.*found 0\.067"):
+        WaveSettings.model_validate({"kind": kind, "significant_height": 0.067, "peak_period": 0.8})
+    # Regular waves and seas have numbers of their own.
+    WaveSettings.model_validate({"kind": kind, "amplitude": 1.0, "period": 0.8})
+    WaveSettings(significant_height=1.0, peak_period=0.8)
+
+
 @pytest.mark.parametrize(
-    ("field", "value"), [("amplitude", -0.01), ("amplitude", math.nan), ("period", 0.0), ("ramp", -1.0)]
+    ("field", "value"),
+    [
+        ("amplitude", -0.01),
+        ("amplitude", math.nan),
+        ("period", 0.0),
+        ("ramp", -1.0),
+        ("kind", "swell"),
+        ("components", 0),
+        ("spreading", -1.0),
+        ("maker_distance", -1.0),
+    ],
 )
 def test_bad_settings_are_refused_by_name(field: str, value: float) -> None:
     with pytest.raises(ValidationError, match=field):

@@ -27,6 +27,7 @@ from vessel_sim import (
 )
 from vessel_sim.inflow import Inflow
 from vessel_sim.propulsion.columns import AZIMUTH
+from vessel_sim.sail import SURGE, YAW_RATE
 from vessel_sim.waves import HullForm, Waves
 
 Array = NDArray[np.float64]
@@ -137,7 +138,7 @@ def test_second_order_convergence_to_an_error_controlled_integrator(inflow: bool
 
 def test_without_forces_the_ship_only_loses_energy() -> None:
     sim = Simulator(VESSEL, QUIET)
-    sim._relative = (1.0, 0.4, -0.5)
+    sim._motion[SURGE : YAW_RATE + 1] = 1.0, 0.4, -0.5
     energy = sim.kinetic_energy()
     for _ in range(6000):
         sim.step(STILL, H)

@@ -11,17 +11,10 @@ import numpy as np
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
-from vessel_sim.inflow import Inflow
 from vessel_sim.propulsion import columns
-from vessel_sim.propulsion.in_sea import advance_in_sea
 from vessel_sim.propulsion.shared_step import Spread, advance_shared
 from vessel_sim.propulsion.step import GOOD, first_bad
 from vessel_sim.propulsion.tables import PlantTables
-from vessel_sim.waves.hull_form import Triple
-from vessel_sim.waves.sea import Sea
-
-_SET_POINTS = slice(0, columns.ADVANCE_SPEED_INPUT)
-_WATER = slice(columns.ADVANCE_SPEED_INPUT, columns.INPUTS)
 
 
 class PropulsionPlant:
@@ -163,22 +156,27 @@ class PropulsionPlant:
         """
         self._take_set_points(torque, azimuth_rate, pitch_ratio)
         self._take_water(advance_speed, submergence)
-        self._move(dt, 0)
+        self._move(dt)
 
-    def command(self, torque: FloatArray, azimuth_rate: FloatArray, pitch_ratio: FloatArray | None) -> None:
-        """Take set points as :meth:`step` does, for the next :meth:`advance`: the water may be known later only.
+    def command(
+        self, torque: FloatArray, azimuth_rate: FloatArray, pitch_ratio: FloatArray | None
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Take set points as :meth:`step` does, for a compiled step that finds out about the water itself.
+
+        Only shapes are looked at. Once the set points have been found good, :meth:`accept` puts them in force;
+        otherwise :meth:`refuse` says what is wrong.
+
+        Returns
+        -------
+        Parameters, propellers, ventilation, state, inputs not looked at yet, inputs in force: see ``sail``.
 
         Raises
         ------
         InputError
-            As :meth:`step`; the set points before stay in force then.
+            If a shape is wrong.
         """
-        self._given[_WATER] = self._inputs[_WATER]
         self._take_set_points(torque, azimuth_rate, pitch_ratio)
-        bad = first_bad(self.parameters, self._state, self._given, self._inputs, 0, columns.ADVANCE_SPEED_INPUT)
-        if bad != GOOD:
-            self._refuse(bad)
-        self._accept()
+        return (*self._tables, self._state, self._given, self._inputs)
 
     def check_pitch(self, pitch_ratio: FloatArray) -> None:
         """Refuse what :meth:`step` would refuse as ``pitch_ratio``.
@@ -194,58 +192,7 @@ class PropulsionPlant:
             self.parameters, self._state, self._given, self._inputs, columns.PITCH_INPUT, columns.PITCH_INPUT + 1
         )
         if bad != GOOD:
-            self._refuse(bad)
-
-    def advance(self, advance_speed: FloatArray, submergence: FloatArray, dt: float) -> None:
-        """Advance ``state`` by ``dt`` on the set points in force; arguments and errors of :meth:`step`."""
-        self._given[_SET_POINTS] = self._inputs[_SET_POINTS]
-        self._take_water(advance_speed, submergence)
-        self._move(dt, columns.ADVANCE_SPEED_INPUT)
-
-    def advance_in_sea(
-        self,
-        inflow: Inflow,
-        position: Triple,
-        relative_velocity: Triple,
-        current: tuple[float, float],
-        waves: Sea,
-        time: float,
-        dt: float,
-        flowing: bool = True,
-    ) -> Triple:
-        """Advance ``state`` by ``dt`` on the set points in force, in the water where the hull will be then.
-
-        Parameters
-        ----------
-        inflow
-            Of the vessel.
-        position, relative_velocity, current, waves, time
-            See ``Inflow.at``, at the end of the step, as far as it is known; not checked.
-        dt
-            s, at least 0; not checked.
-        flowing
-            False: as without advance speed.
-
-        Returns
-        -------
-        Force of all thrusters on the hull at the end of the step: N, N, N m, body frame.
-        """
-        self._flooded = True
-        return advance_in_sea(
-            *self._tables,
-            self._state,
-            self._inputs,
-            self.ventilation,
-            flowing,
-            waves.components,
-            inflow.box,
-            inflow.thrusters,
-            position,
-            relative_velocity,
-            current,
-            time,
-            dt,
-        )
+            self.refuse(bad)
 
     def _take_set_points(self, torque: FloatArray, azimuth_rate: FloatArray, pitch_ratio: FloatArray | None) -> None:
         self._take(columns.TORQUE_INPUT, torque)
@@ -266,24 +213,30 @@ class PropulsionPlant:
             raise InputError(f"{name}: expected shape {self._shape}, found {shape or value!r}")
         self._given[row] = value
 
-    def _move(self, dt: float, unchecked: int) -> None:
+    def _move(self, dt: float) -> None:
         if not 0.0 <= dt < math.inf:
             raise InputError(f"dt: expected a finite number not below 0, found {dt}")
         if not self._flooded:
             self._state[:, columns.ADVANCE_SPEED] = self._given[columns.ADVANCE_SPEED_INPUT]
             self._state[:, columns.SUBMERGENCE] = self._given[columns.SUBMERGENCE_INPUT]
-        bad = advance_shared(
-            self.spread, self._tables, self._state, self._given, self._inputs, unchecked, self.ventilation, dt
-        )
+        bad = advance_shared(self.spread, self._tables, self._state, self._given, self._inputs, 0, self.ventilation, dt)
         if bad != GOOD:
-            self._refuse(bad)
+            self.refuse(bad)
         self._flooded = True
-        self._accept()
+        self.accept()
 
-    def _accept(self) -> None:
+    def accept(self) -> None:
+        """Put in force what :meth:`command` took."""
         self._inputs, self._given = self._given, self._inputs
 
-    def _refuse(self, bad: int) -> NoReturn:
+    def refuse(self, bad: int) -> NoReturn:
+        """Raise for the number of an input, row times n plus column; see ``step.first_bad``.
+
+        Raises
+        ------
+        InputError
+            As :meth:`step`.
+        """
         row, i = divmod(bad, len(self._names))
         name, thruster, found = columns.INPUT_NAMES[row], self._names[i], float(self._given[row, i])
         if not math.isfinite(found):

@@ -1,23 +1,36 @@
-"""The hull as a box, and its first-order motion in waves."""
+"""The hull as a box, and what waves do to it."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from marine_model.compiled import compiled
 from marine_model.constants import GRAVITY
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
-from vessel_sim.waves.components import AMPLITUDE, COS_BETA, GROWTH, OMEGA, SIN_BETA, WAVE_NUMBER, phase
-
-Triple = tuple[float, float, float]
-Six = tuple[float, float, float, float, float, float]
+from vessel_sim.waves.hull_in_waves import HullInWaves
+from vessel_sim.waves.hull_motion import Six, Triple
+from vessel_sim.waves.response_table import (
+    DRIFT_N,
+    DRIFT_X,
+    DRIFT_Y,
+    FUNCTIONS,
+    HEAVE_RE,
+    NODE_DIRECTIONS,
+    PITCH_IM,
+    ROLL_IM,
+    SURGE_IM,
+    SWAY_IM,
+    YAW_RE,
+)
 
 
 @dataclass(frozen=True, slots=True)
-class HullForm:
+class HullForm(HullInWaves):
     """A box of the length, beam and draught of the hull, and what waves do to it.
 
     First-order motion: the box is carried with the water that it displaces (Froude-Krylov forces; diffraction, and
@@ -68,6 +81,16 @@ class HullForm:
         """Length, beam, draught, m."""
         return self.length, self.beam, self.draught
 
+    def responses(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return what the box and the coefficients of drift say at the nodes of the table."""
+        values = _box_table(self.box, omega**2 / GRAVITY, NODE_DIRECTIONS)
+        cos_b, sin_b = np.cos(NODE_DIRECTIONS), np.sin(NODE_DIRECTIONS)
+        # sin(b) |sin(b)|, as b < 0 changes the sign.
+        values[:, :, DRIFT_X] = self.drift[0] * cos_b
+        values[:, :, DRIFT_Y] = self.drift[1] * sin_b**2
+        values[:, :, DRIFT_N] = self.drift[2] * 2.0 * sin_b * cos_b
+        return NODE_DIRECTIONS, values
+
 
 @compiled
 def _j0(x: float) -> float:
@@ -109,52 +132,19 @@ def box_response(box: Triple, wave_number: float, cos_b: float, sin_b: float) ->
 
 
 @compiled
-def box_motion(
-    components: FloatArray, box: Triple, position: Triple, velocity: tuple[float, float], time: float
-) -> tuple[Six, Six]:
-    """Return the first-order displacement of the box and its rate of change, in the body axes.
-
-    Surge, sway, heave (m), roll, pitch, yaw (rad).
-
-    Parameters
-    ----------
-    components
-        The sea.
-    box
-        Length, beam, draught, m.
-    position
-        Low-frequency position: north (m), east (m), heading (rad).
-    velocity
-        Low-frequency velocity over ground: north, east (m/s). It shifts the frequency to that of encounter.
-        The slow turn of the hull relative to the waves is left out of the rate of change.
-    time
-        s.
-    """
-    north, east, heading = position
-    c, s = math.cos(heading), math.sin(heading)
-    p0 = p1 = p2 = p3 = p4 = p5 = 0.0
-    v0 = v1 = v2 = v3 = v4 = v5 = 0.0
-    for i in range(components.shape[0]):
-        row = components[i]
-        cos_beta, sin_beta, k = row[COS_BETA], row[SIN_BETA], row[WAVE_NUMBER]
-        r0, r1, r2, r3, r4, r5 = box_response(box, k, cos_beta * c + sin_beta * s, sin_beta * c - cos_beta * s)
-        theta = phase(row, north, east, time)
-        theta_dot = k * (velocity[0] * cos_beta + velocity[1] * sin_beta) - row[OMEGA]
-        sin_t, cos_t = math.sin(theta), math.cos(theta)
-        a, a_dot = row[AMPLITUDE], row[GROWTH]
-        with_sin, with_cos = a * sin_t, a * cos_t
-        sin_rate = a_dot * sin_t + with_cos * theta_dot
-        cos_rate = a_dot * cos_t - with_sin * theta_dot
-        p0 += r0 * with_sin
-        p1 += r1 * with_sin
-        p2 += r2 * with_cos
-        p3 += r3 * with_sin
-        p4 += r4 * with_sin
-        p5 += r5 * with_cos
-        v0 += r0 * sin_rate
-        v1 += r1 * sin_rate
-        v2 += r2 * cos_rate
-        v3 += r3 * sin_rate
-        v4 += r4 * sin_rate
-        v5 += r5 * cos_rate
-    return (p0, p1, p2, p3, p4, p5), (v0, v1, v2, v3, v4, v5)
+def _box_table(box: Triple, wave_number: FloatArray, direction: FloatArray) -> FloatArray:
+    """Return first-order motions, shape (m, nb, FUNCTIONS); drift is left at 0."""
+    values = np.zeros((wave_number.size, direction.size, FUNCTIONS))
+    for i in range(wave_number.size):
+        for j in range(direction.size):
+            surge, sway, heave, roll, pitch, yaw = box_response(
+                box, wave_number[i], math.cos(direction[j]), math.sin(direction[j])
+            )
+            # a Re[X exp(i theta)] = a (Re X cos(theta) - Im X sin(theta))
+            values[i, j, SURGE_IM] = -surge
+            values[i, j, SWAY_IM] = -sway
+            values[i, j, HEAVE_RE] = heave
+            values[i, j, ROLL_IM] = -roll
+            values[i, j, PITCH_IM] = -pitch
+            values[i, j, YAW_RE] = yaw
+    return values

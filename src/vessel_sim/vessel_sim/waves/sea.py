@@ -28,7 +28,7 @@ class Sea(ABC):
         north, east
             m; arrays of any shape, broadcast.
         time
-            s, broadcast with them. Amplitudes are those of now.
+            s, broadcast with them.
         """
         full = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in (north, east, time)))
         return _elevations(self.components, *(np.array(a).ravel() for a in full)).reshape(full[0].shape)

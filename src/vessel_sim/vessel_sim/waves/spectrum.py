@@ -23,7 +23,8 @@ class Jonswap:
 
     S = H_s^2 / (16 omega_p I) x^-5 exp(-5/4 x^-4) gamma^exp(-(x - 1)^2 / (2 sigma^2)), x = omega / omega_p, with
     sigma = 0.07 below the peak and 0.09 above. I is the integral of what depends on x, by quadrature: the usual
-    0.2 / (1 - 0.287 ln gamma) is a fit to it.
+    0.2 / (1 - 0.287 ln gamma) is a fit to it. Without a peak, gamma = 1, this is the spectrum of two parameters of the
+    ITTC (Bretschneider).
 
     Parameters
     ----------
