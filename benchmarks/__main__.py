@@ -22,17 +22,21 @@ from benchmarks.graph import measure_composed, measure_separate
 from benchmarks.hop import measure_hop
 from benchmarks.in_process import measure_in_process
 from benchmarks.machine import describe_machine, write_machine
+from benchmarks.parts import measure_parts
 from benchmarks.plan import Plan, quick, whole
 from benchmarks.printout import print_machine, print_results
 from benchmarks.propulsion import measure_propulsion
 from benchmarks.result import Result, write_results
 from benchmarks.scaling import measure_scaling
+from benchmarks.sea import measure_sea
 from benchmarks.sectors import measure_sectors
 from benchmarks.start_up import measure_start_up
 
 _MEASUREMENTS: dict[str, tuple[str, Callable[[Plan], list[Result]]]] = {
     "hop": ("One hop of the ring", measure_hop),
     "in_process": ("In-process loop", measure_in_process),
+    "sea": ("In-process loop in an irregular sea", measure_sea),
+    "parts": ("Processor time of the in-process loop by part", measure_parts),
     "separate": ("Lockstep graph, one process a node", measure_separate),
     "composed": ("Lockstep graph, one process", measure_composed),
     "start_up": ("Start-up", measure_start_up),

@@ -10,6 +10,7 @@ from benchmarks.result import REAL_TIME as UNIT
 from benchmarks.result import Aim, Result
 from benchmarks.statistics import summarize
 from dp_tools.in_process import ClosedLoop
+from dp_tools.scenario import Scenario
 from marine_model import Vessel, load_vessel
 
 
@@ -22,7 +23,7 @@ def measure_in_process(plan: Plan) -> list[Result]:
     theirs: dict[str, list[float]] = {name: [] for name in kinds}
     missing = ""
     for _ in range(plan.loop_runs):
-        wall, processor = _sail(plan, vessel)
+        wall, processor = sail(plan.scenario, vessel)
         ours.append(plan.scenario.duration / wall)
         busy.append(plan.scenario.duration / processor)
         for name, kind in kinds.items():
@@ -68,9 +69,9 @@ def measure_in_process(plan: Plan) -> list[Result]:
     ]
 
 
-def _sail(plan: Plan, vessel: Vessel) -> tuple[float, float]:
+def sail(scenario: Scenario, vessel: Vessel) -> tuple[float, float]:
     """Return wall and processor time of one run, s; making the cores is not counted."""
-    loop = ClosedLoop(vessel, plan.scenario)
+    loop = ClosedLoop(vessel, scenario)
     begin, busy = time.perf_counter(), time.process_time()
     loop.run()
     return time.perf_counter() - begin, time.process_time() - busy

@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import importlib
 import io
-import math
 from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
@@ -20,6 +19,9 @@ import numpy as np
 from marine_model import Vessel
 from marine_model.errors import DpError
 from marine_model.settings import Settings
+from vessel_sim.noise import own_sequence
+from vessel_sim.waves.components import AMPLITUDE, BETA, OMEGA, PHASE
+from vessel_sim.waves.from_settings import components_of
 
 PEER = "MCSimPython 0.1.6"
 
@@ -43,7 +45,7 @@ class PeerMissingError(DpError):
 
 
 class VesselInWaves:
-    """C/S Arctic Drillship, 3-DOF manoeuvring model, adrift in one regular wave component.
+    """C/S Arctic Drillship, 3-DOF manoeuvring model, adrift in the wave components of our scenario.
 
     Per step: first- and second-order wave load of its transfer functions, then its step of the hull (explicit Euler,
     its default and cheapest). No thrusters, observer, controller or allocator.
@@ -65,14 +67,11 @@ class VesselInWaves:
         self._dt = vessel.simulation.time_step
         self._modules = _import()
         self._ship = self._modules.csad.CSADMan3DOF(self._dt)
-        waves: Any = settings["vessel_sim"]
-        waves = waves.waves
+        simulator: Any = settings["vessel_sim"]
+        waves = components_of(simulator.waves, own_sequence(simulator.seed, "sea"))
         with contextlib.redirect_stdout(io.StringIO()):  # it reports progress on standard output
             self._waves = self._modules.wave_loads.WaveLoad(
-                np.array([waves.amplitude]),
-                np.array([2.0 * math.pi / waves.period]),
-                np.array([0.0]),
-                np.array([waves.direction]),
+                *(waves[:, column].copy() for column in (AMPLITUDE, OMEGA, PHASE, BETA)),
                 self._ship._config_file,
                 rho=vessel.density,
             )

@@ -18,6 +18,9 @@ class Plan:
     scratch: Path  # run folders
     graph_runs: int  # repetitions of a lockstep run, each
     loop_runs: int  # repetitions of the in-process loop and of its peers, each
+    sea_components: int  # of the irregular sea
+    sea_runs: int  # repetitions in it, each
+    sea_seconds: float  # of simulated time that the peer sails in it
     hop_blocks: int  # blocks of requests, each
     hop_requests: int  # requests a block
     start_ups: int  # each
@@ -41,6 +44,9 @@ def whole(scratch: Path) -> Plan:
         scratch=scratch,
         graph_runs=3,
         loop_runs=5,
+        sea_components=100,
+        sea_runs=3,
+        sea_seconds=2.0,
         hop_blocks=20,
         hop_requests=250,
         start_ups=3,
@@ -65,6 +71,9 @@ def quick(scratch: Path) -> Plan:
         scratch=scratch,
         graph_runs=1,
         loop_runs=1,
+        sea_components=10,
+        sea_runs=1,
+        sea_seconds=0.2,
         hop_blocks=2,
         hop_requests=20,
         start_ups=1,
