@@ -12,14 +12,15 @@ from hypothesis import strategies as st
 from marine_model import load_vessel
 from marine_model.constants import GRAVITY
 from marine_model.errors import InputError
+from support.box_hull import box_of
 from vessel_sim import Simulator, SimulatorInputs, SimulatorSettings, WaveSettings
 from vessel_sim.noise import own_sequence
-from vessel_sim.waves import HullForm, IrregularSea, Jonswap, Waves
+from vessel_sim.waves import IrregularSea, Jonswap, Waves
 from vessel_sim.waves.components import AMPLITUDE, BETA, OMEGA, PHASE, START
 from vessel_sim.waves.hull_motion import hull_motion
 
 VESSEL = load_vessel("cybership3")
-FORM = HullForm.of(VESSEL)
+FORM = box_of(VESSEL)
 H = VESSEL.simulation.time_step
 STILL = SimulatorInputs(np.zeros(4), np.zeros(4))
 OFF = {"amplitude": 0.0}
