@@ -19,7 +19,7 @@ import numpy as np
 from marine_model import Vessel
 from marine_model.errors import DpError
 from marine_model.settings import Settings
-from vessel_sim.noise import sequence
+from vessel_sim.noise import own_sequence
 from vessel_sim.waves.components import AMPLITUDE, BETA, OMEGA, PHASE
 from vessel_sim.waves.from_settings import components_of
 
@@ -68,7 +68,7 @@ class VesselInWaves:
         self._modules = _import()
         self._ship = self._modules.csad.CSADMan3DOF(self._dt)
         simulator: Any = settings["vessel_sim"]
-        waves = components_of(simulator.waves, sequence(simulator.seed, "sea"))
+        waves = components_of(simulator.waves, own_sequence(simulator.seed, "sea"))
         with contextlib.redirect_stdout(io.StringIO()):  # it reports progress on standard output
             self._waves = self._modules.wave_loads.WaveLoad(
                 *(waves[:, column].copy() for column in (AMPLITUDE, OMEGA, PHASE, BETA)),

@@ -34,10 +34,14 @@ class Current:
         direction = settings.direction + settings.direction_variation * turned
         return speed * math.cos(direction), speed * math.sin(direction)
 
+    @property
+    def varies(self) -> bool:
+        """Whether it varies at all."""
+        return self.settings.variation > 0.0 or self.settings.direction_variation > 0.0
+
     def advance(self, dt: float) -> bool:
         """Let it vary for ``dt`` (s); return whether it does."""
-        settings = self.settings
-        varies = settings.variation > 0.0 or settings.direction_variation > 0.0
+        varies = self.varies
         if varies:
-            self._variation.advance(dt, settings.time_constant)
+            self._variation.advance(dt, self.settings.time_constant)
         return varies

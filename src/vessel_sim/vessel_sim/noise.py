@@ -60,9 +60,14 @@ def sequence(seed: int, what: str) -> np.random.SeedSequence:
 
 def own_stream(seed: int, what: str, width: int) -> NoiseStream:
     """Return the stream of ``what`` out of ``OWN_STREAMS``: no other stream of the run changes with it."""
-    return NoiseStream(sequence(seed, what), width)
+    return NoiseStream(own_sequence(seed, what), width)
 
 
 def generator(seed: int, what: str) -> np.random.Generator:
     """Return a new generator of the random numbers of ``what`` out of ``OWN_STREAMS``."""
-    return np.random.Generator(np.random.PCG64(sequence(seed, what)))
+    return np.random.Generator(np.random.PCG64(own_sequence(seed, what)))
+
+
+def own_sequence(seed: int, what: str) -> np.random.SeedSequence:
+    """Return the seed of what is in ``OWN_STREAMS``."""
+    return np.random.SeedSequence(seed, spawn_key=(OWN_STREAMS[what],))

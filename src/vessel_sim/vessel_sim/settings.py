@@ -155,7 +155,7 @@ class SimulatorSettings(Settings):
     propulsion: PropulsionSettings = PropulsionSettings()
     initial: InitialState = InitialState()
     seed: int = setting(
-        0, "Seed of irregular seas, sensor noise, dropout, gusts and slow variations", ge=0, read_only=True
+        0, "Seed of sensor noise, dropout, irregular seas, gusts and slow variations", ge=0, read_only=True
     )
     sensor_noise: bool = setting(True, "Sensors have the noise that the vessel file gives them")
     pose_dropout: float = setting(

@@ -14,9 +14,9 @@ from marine_model.vessel import Vessel
 from vessel_sim.current import Current
 from vessel_sim.hull import Hull, Triple
 from vessel_sim.inflow import Inflow, inflow
-from vessel_sim.noise import noise_streams, own_stream, sequence
+from vessel_sim.noise import noise_streams, own_sequence, own_stream
 from vessel_sim.propulsion import PropulsionPlant, columns
-from vessel_sim.propulsion.step import GOOD
+from vessel_sim.propulsion.step import GOOD, first_bad
 from vessel_sim.sail import (
     CURRENT_EAST,
     CURRENT_NORTH,
@@ -109,7 +109,7 @@ class Simulator:
         settings = settings or SimulatorSettings()
         self._vessel = vessel
         self._hull = Hull(vessel)
-        self._waves = Waves(hull_in_waves(vessel), settings.waves, sequence(settings.seed, "sea"))
+        self._waves = Waves(hull_in_waves(vessel), settings.waves, own_sequence(settings.seed, "sea"))
         self._plant = PropulsionPlant(vessel)
         self._inflow = Inflow(vessel)
         self._time_step = vessel.simulation.time_step
@@ -171,7 +171,7 @@ class Simulator:
                 raise InputError(f"{name}: cannot change during a run, expected {now}, found {asked}")
         if settings.wind != self._settings.wind:
             self._wind.apply(settings.wind)
-            self._outside[FORCE_X : FORCE_N + 1] = 0.0
+            self._outside[FORCE_X : FORCE_N + 1] = 0.0  # until the next step
         self._current_source.settings = settings.current
         self._set_current()
         if settings.waves != self._settings.waves:
@@ -200,8 +200,14 @@ class Simulator:
         if not 0.0 < dt <= self._time_step * (1.0 + 1e-9):  # a dt from stamps is off by rounding
             raise InputError(f"dt: expected above 0 and at most {self._time_step} s, found {dt}")
         plant, waves = self._plant, self._waves
-        commanded = plant.command(inputs.torque, inputs.azimuth_rate, inputs.pitch_ratio)
-        self._vary_current_and_wind(dt)
+        asked = plant.command(inputs.torque, inputs.azimuth_rate, inputs.pitch_ratio)
+        if self._current_source.varies or self._wind.blows:
+            # Neither may go on if the step is refused.
+            parameters, _, _, state, given, before = asked
+            bad = first_bad(parameters, state, given, before, 0, columns.ADVANCE_SPEED_INPUT)
+            if bad != GOOD:
+                plant.refuse(bad)
+            self._vary_current_and_wind(dt)
         bad = sail(
             self._hull.coefficients,
             self._motion,
@@ -210,7 +216,7 @@ class Simulator:
             waves.response,
             self._decay,
             self._inflow.thrusters,
-            *commanded,
+            *asked,
             plant.ventilation,
             self._settings.propulsion.inflow,
             self._time,
@@ -273,7 +279,8 @@ class Simulator:
             return self._wind_measured[1]
         (e_speed, e_angle), _ = self._wind_noise.row()
         north, east = self._wind.velocity(self._time)
-        c, s = math.cos(self._position[2]), math.sin(self._position[2])
+        heading = self._position[2]
+        c, s = math.cos(heading), math.sin(heading)
         u, v, _ = self._velocity()
         ahead, starboard = c * north + s * east - u, c * east - s * north - v
         data = self._measurement
@@ -324,15 +331,6 @@ class Simulator:
         """Return the energy of hull and entrained water in the frame of the water, J."""
         return self._hull.kinetic_energy(*self._relative)
 
-    def _vary_current_and_wind(self, dt: float) -> None:
-        """Set the current and the wind force that hold over the step."""
-        if self._current_source.advance(dt):
-            self._set_current()
-        if self._wind.blows:
-            self._wind.advance(dt)
-            u, v, _ = self._velocity()
-            self._outside[FORCE_X : FORCE_N + 1] = self._wind.force(self._time + 0.5 * dt, self._position[2], u, v)
-
     @property
     def _position(self) -> Triple:
         """Low-frequency north (m), east (m), heading (rad)."""
@@ -352,19 +350,26 @@ class Simulator:
 
     def _set_current(self) -> None:
         """Take over the current: the velocity over ground does not jump, that through the water does."""
-        before = self._current
         north, east = self._current_source.velocity
-        if (north, east) == before:
-            return
+        before = self._current
         more_north, more_east = north - before[0], east - before[1]
         u, v, r = self._relative
-        c, s = math.cos(self._position[2]), math.sin(self._position[2])
+        heading = self._position[2]
+        c, s = math.cos(heading), math.sin(heading)
         self._motion[SURGE:THRUSTER_X] = (
             u - c * more_north - s * more_east,
             v + s * more_north - c * more_east,
             r,
         )
         self._outside[CURRENT_NORTH], self._outside[CURRENT_EAST] = north, east
+
+    def _vary_current_and_wind(self, dt: float) -> None:
+        """Set the current and the wind force that hold over the step."""
+        if self._current_source.advance(dt):
+            self._set_current()
+        self._wind.advance(dt)
+        u, v, _ = self._velocity()
+        self._outside[FORCE_X : FORCE_N + 1] = self._wind.force(self._time + 0.5 * dt, self._position[2], u, v)
 
     def _meet_sea(self) -> None:
         """Find what goes with the components of the sea, after they have changed."""

@@ -13,13 +13,15 @@ from scipy.integrate import quad
 
 from marine_model import load_vessel
 from marine_model.constants import GRAVITY
-from vessel_sim.waves import ComputedHull, HullForm, IrregularSea, Jonswap
+from marine_model.wave_response import WaveResponse
+from support.box_hull import box_of
+from vessel_sim.waves import ComputedHull, IrregularSea, Jonswap
 from vessel_sim.waves.components import AMPLITUDE, OMEGA, component_table
 from vessel_sim.waves.drift import drift_force
 
 Array = NDArray[np.float64]
 VESSEL = load_vessel("cybership3")
-FORM = HullForm.of(VESSEL)
+FORM = box_of(VESSEL)
 REST = (0.0, 0.0, 0.0)
 
 
@@ -28,23 +30,25 @@ def drift_of(frequency: Array) -> Array:
     return np.stack([0.2 * np.cos(frequency), 0.1 * frequency, 0.01 * frequency**2], axis=-1)
 
 
-class Response:
-    """A hull whose drift has the same size from everywhere, on whichever side the waves come."""
-
-    heading = np.linspace(0.0, math.pi, 19)
-
-    def at(self, frequency: Array) -> tuple[NDArray[np.complex128], Array]:
-        motion = np.zeros((frequency.size, 19, 6), dtype=np.complex128)
-        return motion, np.repeat(drift_of(frequency)[:, None, :], 19, axis=1)
-
-
-HULL = ComputedHull(Response(), FORM.length, VESSEL.density)
+# Dense: between frequencies the response is linear.
+FREQUENCY = np.linspace(0.05, 12.0, 4801)
+HULL = ComputedHull(
+    WaveResponse(
+        FREQUENCY,
+        np.linspace(0.0, math.pi, 19),
+        np.zeros((FREQUENCY.size, 19, 6), dtype=np.complex128),
+        np.repeat(drift_of(FREQUENCY)[:, None, :], 19, axis=1),
+    ),
+    FORM.length,
+    VESSEL.density,
+)
 SCALE = VESSEL.density * GRAVITY * FORM.length * np.array([1.0, 1.0, FORM.length])
 
 
 def per_square(omega: Array) -> Array:
     """D of ``HULL`` for waves from port, N/m^2, N/m^2, N/m."""
-    return drift_of(omega * math.sqrt(FORM.length / GRAVITY)) * SCALE
+    drift = HULL.response.at(omega * math.sqrt(FORM.length / GRAVITY))[1][:, 0]
+    return np.asarray(drift * SCALE)
 
 
 @given(

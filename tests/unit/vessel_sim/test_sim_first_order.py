@@ -10,13 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from marine_model import load_vessel
+from support.box_hull import box_of
 from vessel_sim import WaveSettings
-from vessel_sim.waves import HullForm, IrregularSea, Jonswap, Waves
+from vessel_sim.waves import IrregularSea, Jonswap, Waves
 from vessel_sim.waves.hull_form import box_response
 from vessel_sim.waves.hull_motion import hull_motion
 
 VESSEL = load_vessel("cybership3")
-FORM = HullForm.of(VESSEL)
+FORM = box_of(VESSEL)
 LENGTH, BEAM, DRAUGHT = FORM.box
 
 

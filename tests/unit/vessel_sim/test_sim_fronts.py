@@ -12,14 +12,15 @@ from hypothesis import strategies as st
 from marine_model import load_vessel
 from marine_model.constants import GRAVITY
 from marine_model.errors import InputError
+from support.box_hull import box_of
 from vessel_sim import Simulator, SimulatorInputs, SimulatorSettings, WaveSettings
-from vessel_sim.noise import sequence
-from vessel_sim.waves import HullForm, IrregularSea, Jonswap, Waves
+from vessel_sim.noise import own_sequence
+from vessel_sim.waves import IrregularSea, Jonswap, Waves
 from vessel_sim.waves.components import AMPLITUDE, BETA, OMEGA, PHASE, START
 from vessel_sim.waves.hull_motion import hull_motion
 
 VESSEL = load_vessel("cybership3")
-FORM = HullForm.of(VESSEL)
+FORM = box_of(VESSEL)
 H = VESSEL.simulation.time_step
 STILL = SimulatorInputs(np.zeros(4), np.zeros(4))
 OFF = {"amplitude": 0.0}
@@ -185,7 +186,7 @@ def test_the_sea_has_a_stream_of_its_own() -> None:
     """Noise of a run does not change with the sea, and the sea is that of the documented stream."""
     calm, rough = (Simulator(VESSEL, SimulatorSettings(seed=5, waves=w)) for w in (WaveSettings(), SEA))
     assert calm.step(STILL, H).shaft_speed == pytest.approx(rough.step(STILL, H).shaft_speed, abs=1e-3)
-    expected = IrregularSea(Jonswap(0.05, 1.5), math.pi, sequence(5, "sea"), 30, spreading=10.0)
+    expected = IrregularSea(Jonswap(0.05, 1.5), math.pi, own_sequence(5, "sea"), 30, spreading=10.0)
     np.testing.assert_array_equal(rough._waves.components[:, : PHASE + 1], expected.components[:, : PHASE + 1])
     other = Simulator(VESSEL, SimulatorSettings(seed=6, waves=SEA))
     assert (rough._waves.components[:, PHASE] != other._waves.components[:, PHASE]).all()

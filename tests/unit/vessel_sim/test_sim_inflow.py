@@ -12,9 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from marine_model import Vessel, load_vessel
+from support.box_hull import box_of
 from vessel_sim import WaveSettings
 from vessel_sim.inflow import Inflow
-from vessel_sim.waves import HullForm, Waves
+from vessel_sim.waves import Waves
 from vessel_sim.waves.components import PHASE
 from vessel_sim.waves.hull_motion import hull_motion
 
@@ -45,7 +46,7 @@ def frozen(waves: Waves, phase: float) -> Waves:
 
 def sea(vessel: Vessel, amplitude: float, period: float = 1.0, direction: float = 0.0) -> Waves:
     settings = WaveSettings(amplitude=amplitude, period=period, direction=direction, ramp=0.0)
-    return Waves(HullForm.of(vessel), settings)
+    return Waves(box_of(vessel), settings)
 
 
 AHEAD = np.zeros(4)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -11,10 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from marine_model import load_vessel
+from marine_model import Vessel, load_vessel
 from marine_model.constants import GRAVITY
 from marine_model.errors import InputError
-from vessel_sim.waves import ComputedHull, HullForm
+from marine_model.wave_response import WaveResponse, load_wave_response
+from support.box_hull import box_of, with_box_hull
+from vessel_sim.waves import ComputedHull, HullForm, hull_in_waves
 from vessel_sim.waves.components import component_table
 from vessel_sim.waves.drift import drift_force
 from vessel_sim.waves.hull_form import box_response
@@ -23,7 +24,7 @@ from vessel_sim.waves.response_table import FUNCTIONS, response_table
 
 Array = NDArray[np.float64]
 VESSEL = load_vessel("cybership3")
-FORM = HullForm.of(VESSEL)
+FORM = box_of(VESSEL)
 AT_ORIGIN = (0.0, 0.0)
 
 
@@ -76,28 +77,26 @@ def test_motion_and_its_slope_are_continuous_in_the_direction(b: float) -> None:
     assert (at[4] - at[3]) / e == pytest.approx((at[1] - at[0]) / e, abs=1e-3)
 
 
-@dataclass(frozen=True)
-class Computed:
-    """The box as if a potential-flow code had computed it at some directions, without dimensions."""
-
-    heading: Array
-
-    def at(self, frequency: Array) -> tuple[NDArray[np.complex128], Array]:
-        motion = np.zeros((frequency.size, self.heading.size, 6), dtype=np.complex128)
-        drift = np.zeros((frequency.size, self.heading.size, 3))
-        for i, omega in enumerate(frequency * math.sqrt(GRAVITY / FORM.length)):
-            for j, b in enumerate(self.heading):
-                at_crest, later = box_motions(2.0 * math.pi / omega, b)
-                # a Re[X exp(i theta)]: Re X at theta = 0, -Im X at pi / 2.
-                motion[i, j] = (at_crest - 1j * later) * ([1.0] * 3 + [FORM.length] * 3)
-                force = np.array(FORM.drift) * [math.cos(b), math.sin(b) ** 2, math.sin(2.0 * b)]
-                drift[i, j] = force / (VESSEL.density * GRAVITY * FORM.length * np.array([1.0, 1.0, FORM.length]))
-        return motion, drift
+def computed_box() -> WaveResponse:
+    """Return the box as if a potential-flow code had computed it at some directions, without dimensions."""
+    # Frequencies about that of 1.3 s, close enough that linear interpolation between them is good to 1e-5.
+    frequency = 2.0 * math.pi / 1.3 * math.sqrt(FORM.length / GRAVITY) * np.array([0.999, 1.0, 1.001])
+    heading = np.linspace(0.0, math.pi, 37)
+    motion = np.zeros((3, 37, 6), dtype=np.complex128)
+    drift = np.zeros((3, 37, 3))
+    for i, omega in enumerate(frequency * math.sqrt(GRAVITY / FORM.length)):
+        for j, b in enumerate(heading):
+            at_crest, later = box_motions(2.0 * math.pi / omega, b)
+            # a Re[X exp(i theta)]: Re X at theta = 0, -Im X at pi / 2.
+            motion[i, j] = (at_crest - 1j * later) * ([1.0] * 3 + [FORM.length] * 3)
+            force = np.array(FORM.drift) * [math.cos(b), math.sin(b) ** 2, math.sin(2.0 * b)]
+            drift[i, j] = force / (VESSEL.density * GRAVITY * FORM.length * np.array([1.0, 1.0, FORM.length]))
+    return WaveResponse(frequency, heading, motion, drift)
 
 
 @given(b=st.floats(-math.pi, math.pi))
 def test_computed_data_come_back_with_dimensions(b: float) -> None:
-    computed = ComputedHull(Computed(np.linspace(0.0, math.pi, 37)), FORM.length, VESSEL.density, drift_factor=0.5)
+    computed = ComputedHull(computed_box(), FORM.length, VESSEL.density, drift_factor=0.5)
     # Five degrees apart at 1.3 s: h^4 / 384 (k L / 2)^4 = 4.5e-6 of the motion; a spline: some times it.
     assert tabulated_motions(computed, 1.3, b) == pytest.approx(tabulated_motions(FORM, 1.3, b), abs=1e-4)
     components = component_table(np.array([2.0 * math.pi / 1.3]), b, 0.03, 0.4)
@@ -110,3 +109,26 @@ def test_computed_data_come_back_with_dimensions(b: float) -> None:
 def test_directions_that_do_not_go_round_are_refused(heading: list[float]) -> None:
     with pytest.raises(InputError, match="direction: expected relative directions from 0 to pi, found"):
         response_table(np.array(heading), np.zeros((1, len(heading), FUNCTIONS)))
+
+
+@pytest.mark.parametrize("b", [0.3, 1.2, 2.5, -0.8])
+def test_in_long_waves_the_computed_hull_moves_as_the_box(b: float) -> None:
+    """Two models of the same hull, with the same signs: the water carries both."""
+    hull = ComputedHull(load_wave_response("cybership3"), FORM.length, VESSEL.density)
+    arms = np.array([1.0, 1.0, 1.0, FORM.beam, FORM.length, FORM.length])
+    found, box = tabulated_motions(hull, 8.0, b) * arms, tabulated_motions(FORM, 8.0, b) * arms
+    # k L = 0.12. Roll is larger than the slope by its resonance; what a finite k T does differs.
+    assert found[:, :5] == pytest.approx(box[:, :5], abs=0.02)
+    # Yaw is of the order k L / 2 and goes with the moments of inertia, of which the box has those of its own shape.
+    assert found[:, 5] == pytest.approx(box[:, 5], abs=0.04)
+    assert np.abs(box).max() > 0.5
+
+
+def test_a_vessel_names_its_response() -> None:
+    data = VESSEL.model_dump() | {"wave_forces": {"response": "cybership3", "drift_factor": 0.5}}
+    hull = hull_in_waves(Vessel.model_validate(data))
+    assert isinstance(hull, ComputedHull)
+    assert hull.drift_factor == 0.5
+    assert isinstance(hull_in_waves(with_box_hull(VESSEL)), HullForm)
+    with pytest.raises(InputError, match=r"wave_forces\.drift_coefficient: expected it in vessel 'cybership3'"):
+        HullForm.of(Vessel.model_validate(data))

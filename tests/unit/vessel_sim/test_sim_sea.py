@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 
 from marine_model import load_vessel
 from marine_model.constants import GRAVITY
+from support.box_hull import box_of
 from vessel_sim import WaveSettings
-from vessel_sim.waves import HullForm, IrregularSea, Jonswap, Sea, Waves
+from vessel_sim.waves import IrregularSea, Jonswap, Sea, Waves
 from vessel_sim.waves.components import WIDTH
 
-FORM = HullForm.of(load_vessel("cybership3"))
+FORM = box_of(load_vessel("cybership3"))
 
 
 def regular(amplitude: float = 0.1, period: float = 2.0, direction: float = 0.0, ramp: float = 0.0) -> Waves:

@@ -12,12 +12,13 @@ from pydantic import ValidationError
 
 from marine_model import load_vessel
 from marine_model.constants import GRAVITY
+from support.box_hull import box_of
 from vessel_sim import SimulatorSettings, WaveSettings
-from vessel_sim.waves import HullForm, Waves
+from vessel_sim.waves import Waves
 from vessel_sim.waves.components import OMEGA, WAVE_NUMBER
 
 VESSEL = load_vessel("cybership3")
-FORM = HullForm.of(VESSEL)
+FORM = box_of(VESSEL)
 
 
 def grown(settings: WaveSettings) -> Waves:

@@ -15,6 +15,7 @@ from marine_model import load_vessel
 from marine_model.errors import InputError
 from marine_model.frames import rotation
 from marine_model.propellers.kernel import thrust_torque
+from support.box_hull import DRIFT_COEFFICIENT, box_of, with_box_hull
 from vessel_sim import (
     CurrentSettings,
     InitialState,
@@ -28,10 +29,10 @@ from vessel_sim import (
 from vessel_sim.inflow import Inflow
 from vessel_sim.propulsion.columns import AZIMUTH
 from vessel_sim.sail import SURGE, YAW_RATE
-from vessel_sim.waves import HullForm, Waves
+from vessel_sim.waves import Waves
 
 Array = NDArray[np.float64]
-VESSEL = load_vessel("cybership3")
+VESSEL = with_box_hull(load_vessel("cybership3"))
 H = VESSEL.simulation.time_step
 N = len(VESSEL.thrusters)
 STILL = SimulatorInputs(np.zeros(N), np.zeros(N))
@@ -59,10 +60,10 @@ def reference(settings: SimulatorSettings, inputs: SimulatorInputs, seconds: flo
     current = settings.current.speed * np.array(
         [math.cos(settings.current.direction), math.sin(settings.current.direction), 0.0]
     )
-    c0, c1, _ = VESSEL.wave_forces.drift_coefficient
+    c0, c1, _ = DRIFT_COEFFICIENT
     pressure = 0.5 * VESSEL.density * 9.81 * settings.waves.amplitude**2
 
-    sea = Waves(HullForm.of(VESSEL), settings.waves)
+    sea = Waves(box_of(VESSEL), settings.waves)
     water = Inflow(VESSEL)
 
     def rate(time: float, x: Array) -> Array:
@@ -239,7 +240,7 @@ def test_thrust_is_lost_to_the_advance_speed() -> None:
 
 
 def test_a_propeller_near_the_surface_loses_thrust_until_ventilation_is_switched_off() -> None:
-    trimmed = load_vessel("cybership3_trimmed")
+    trimmed = with_box_hull(load_vessel("cybership3_trimmed"))
     sea = SimulatorSettings(sensor_noise=False, waves=WaveSettings(amplitude=0.05, period=1.2, ramp=0.0))
     sim = Simulator(trimmed, sea)
     inputs = SimulatorInputs(np.array([0.0, 0.0, 0.12, 0.12]), np.zeros(N))

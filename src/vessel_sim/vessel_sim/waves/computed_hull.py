@@ -3,28 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from marine_model.constants import GRAVITY
 from marine_model.guards import FloatArray
+from marine_model.wave_response import WaveResponse
 from vessel_sim.waves.hull_in_waves import HullInWaves
 from vessel_sim.waves.response_table import DRIFT_X, FUNCTIONS
-
-
-class Response(Protocol):
-    """What is needed of ``marine_model.wave_response.WaveResponse``."""
-
-    @property
-    def heading(self) -> FloatArray:
-        """Relative directions from 0 to pi, rad, shape (nb,)."""
-        ...
-
-    def at(self, frequency: FloatArray) -> tuple[NDArray[Any], FloatArray]:
-        """Return motion (m, nb, 6) and drift (m, nb, 3), without dimensions, at omega sqrt(L / g), shape (m,)."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +30,7 @@ class ComputedHull(HullInWaves):
         What the drift is multiplied by.
     """
 
-    response: Response
+    response: WaveResponse
     length: float
     density: float
     drift_factor: float = 1.0
@@ -58,4 +44,4 @@ class ComputedHull(HullInWaves):
         values[:, :, 1:DRIFT_X:2] = scaled.imag
         force = self.drift_factor * self.density * GRAVITY * self.length
         values[:, :, DRIFT_X:] = drift * np.array([force, force, force * self.length])
-        return np.asarray(self.response.heading, dtype=np.float64), values
+        return self.response.heading, values

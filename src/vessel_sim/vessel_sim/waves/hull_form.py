@@ -58,12 +58,26 @@ class HullForm(HullInWaves):
     drift: Triple  # N/m^2, N/m^2, N/m: force per amplitude squared at the heading where each is largest
 
     @classmethod
-    def of(cls, vessel: Vessel) -> HullForm:
-        """Return the box of ``vessel``. Raises InputError if its waves are given by a data file."""
+    def of(cls, vessel: Vessel, drift_coefficient: Triple | None = None) -> HullForm:
+        """Return the box of ``vessel``.
+
+        Parameters
+        ----------
+        vessel
+            Hull and density of the water.
+        drift_coefficient
+            Of ``marine_model.hull.WaveForces``; that of the vessel file if None.
+
+        Raises
+        ------
+        InputError
+            If neither is there.
+        """
         hull = vessel.hull
-        if vessel.wave_forces.drift_coefficient is None:
-            raise InputError("wave_forces: expected drift_coefficient, found a data file")
-        c0, c1, c2 = vessel.wave_forces.drift_coefficient
+        coefficient = drift_coefficient or vessel.wave_forces.drift_coefficient
+        if coefficient is None:
+            raise InputError(f"wave_forces.drift_coefficient: expected it in vessel '{vessel.name}', found none")
+        c0, c1, c2 = coefficient
         half = 0.5 * vessel.density * GRAVITY
         return cls(
             hull.length,

@@ -10,7 +10,7 @@ from vessel_sim.waves.hull_in_waves import HullInWaves
 
 def hull_in_waves(vessel: Vessel) -> HullInWaves:
     """Return the hull with the computed response that the vessel file names, and as a box where it names none."""
-    response = getattr(vessel, "wave_response", None)
+    response = vessel.wave_response
     if response is None:
         return HullForm.of(vessel)
-    return ComputedHull(response, vessel.hull.length, vessel.density, getattr(vessel.wave_forces, "drift_factor", 1.0))
+    return ComputedHull(response, vessel.hull.length, vessel.density, vessel.wave_forces.drift_factor)
