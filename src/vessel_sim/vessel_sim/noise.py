@@ -53,11 +53,6 @@ def noise_streams(seed: int, *widths: int) -> tuple[NoiseStream, ...]:
     return tuple(NoiseStream(child, width) for child, width in zip(children, widths, strict=True))
 
 
-def sequence(seed: int, what: str) -> np.random.SeedSequence:
-    """Return the seed of the random numbers of ``what`` out of ``OWN_STREAMS``, independent of all others."""
-    return np.random.SeedSequence(seed, spawn_key=(OWN_STREAMS[what],))
-
-
 def own_stream(seed: int, what: str, width: int) -> NoiseStream:
     """Return the stream of ``what`` out of ``OWN_STREAMS``: no other stream of the run changes with it."""
     return NoiseStream(own_sequence(seed, what), width)
