@@ -73,7 +73,7 @@ def _compute(vessel: Vessel, panel: float, output: Path) -> None:
     def progress(done: int, count: int) -> None:
         print(f"\r{done + 1} of {count} frequencies, {time.monotonic() - start:.0f} s", end="", file=sys.stderr)
 
-    response = respond(hull, None, HEADINGS, progress)
+    response = respond(hull, None, HEADINGS, progress).all_round()
     print(file=sys.stderr)
     lines = comments(vessel, hull, response, panel)
     write(output, lines, response)

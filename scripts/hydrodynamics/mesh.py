@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import ceil
+from typing import Any
 
 import capytaine as cpt
 import numpy as np
@@ -51,24 +52,39 @@ def enclosed(mesh: cpt.ReflectionSymmetricMesh) -> float:
 def _mirrored(grid: Array, name: str) -> cpt.ReflectionSymmetricMesh:
     """Return the panels of a grid of points, shape (rows, columns, 3), in the quarter ahead and to port."""
     rows, columns = grid.shape[:2]
-    index = np.arange(rows * columns).reshape(rows, columns)
+    points, same = np.unique(grid.reshape(-1, 3).round(12), axis=0, return_inverse=True)
+    index = same.reshape(rows, columns)
     # In this order the normals point out of the hull, and down from the lid.
-    faces = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
-    points = grid.reshape(-1, 3)
-    # Where a side has no length the panel is a triangle, which capytaine knows by a vertex that comes twice.
-    _, first, same = np.unique(points.round(12), axis=0, return_index=True, return_inverse=True)
-    faces = first[same.ravel()][faces]
-    repeats = np.array([len(set(face)) for face in faces])
-    faces = np.array([_triangle_last(face) for face in faces[repeats > 2]])
-    quarter = cpt.Mesh(vertices=points, faces=faces, name=name)
+    corners = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
+    # A panel with a side of no length is a triangle.
+    faces = [list(dict.fromkeys(int(v) for v in face)) for face in corners]
+    quarter = Panels(points, [face for face in faces if len(face) > 2], auto_clean=False, auto_check=False, name=name)
     half = cpt.ReflectionSymmetricMesh(quarter, plane="xOz")
     return cpt.ReflectionSymmetricMesh(half, plane="yOz")
 
 
-def _triangle_last(face: Array) -> list[int]:
-    """Turn a panel of three different vertices so that the repeated one is first and last."""
-    turned = [int(v) for v in face]
-    if len(set(turned)) == 3:
-        while turned[0] != turned[-1]:
-            turned = turned[1:] + turned[:1]
-    return turned
+class Panels(cpt.Mesh):
+    """Panels whose mirror images are exact although they are twisted.
+
+    The centre of a panel that is not plane depends on which diagonal it is folded along, and capytaine's own
+    mirror images are folded along the other one: the hull is not quite symmetric then, which in long waves, where
+    the inertia of yaw is small against the forces that cancel, shows.
+    """
+
+    def mirrored(self, plane: str, *, name: str | None = None) -> Panels:
+        """Return the mirror image, folded along the same diagonals."""
+        other = super().mirrored(plane, name=name)
+        return _panels(other, [face[-1:] + face[:-1] for face in other.as_list_of_faces()])
+
+    def join_meshes(*meshes: cpt.Mesh, return_masks: bool = False, **words: Any) -> Any:
+        """Join meshes as capytaine does, into ``Panels``."""
+        found = cpt.Mesh.join_meshes(*meshes, return_masks=return_masks, **words)
+        mesh, *masks = found if return_masks else (found,)
+        joined = _panels(mesh, mesh.as_list_of_faces())
+        return (joined, *masks) if return_masks else joined
+
+
+def _panels(mesh: cpt.Mesh, faces: list[list[list[float]]]) -> Panels:
+    return Panels.from_list_of_faces(
+        faces, faces_metadata=mesh.faces_metadata, name=mesh.name, auto_clean=False, auto_check=False
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import capytaine as cpt
 import numpy as np
@@ -14,7 +14,9 @@ from hydrodynamics.hull_form import Array
 from hydrodynamics.motions import TO_BODY, motion, viscous_roll
 from hydrodynamics.solve import ComplexArray, Flow, solve, zero_frequency_added_mass
 
-HEADINGS: Array = np.radians(np.arange(0.0, 181.0, 5.0))
+# From the stern to the beam. Bow and stern are alike, so that the rest follows.
+HEADINGS: Array = np.radians(np.arange(0.0, 91.0, 5.0))
+MIRRORED: Array = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,18 @@ class Response:
     slow_added_mass: Array
     roll_frequency: float
     energy_error: Array
+
+    def all_round(self) -> Response:
+        """Return the response from b = 0 to pi of one from 0 to pi / 2, for a hull whose bow and stern are alike.
+
+        Seen in a mirror across the ship, waves from the bow come from the stern, and surge, pitch and yaw change sign.
+        """
+        return replace(
+            self,
+            heading=np.concatenate([self.heading, np.pi - self.heading[-2::-1]]),
+            motion=np.concatenate([self.motion, self.motion[:, -2::-1] * MIRRORED], axis=1),
+            drift=np.concatenate([self.drift, self.drift[:, -2::-1] * MIRRORED[[0, 1, 5]]], axis=1),
+        )
 
 
 def base_frequencies() -> Array:

@@ -281,12 +281,12 @@ WRONG = [
         "manoeuvring: linear_damping must be positive definite",
     ),
     (
-        "added_mass: [[12.3, 0.0, 0.0]",
-        "added_mass: [[12.3, 5.0, 0.0]",
+        "added_mass: [[6.2, 0.0, 0.0]",
+        "added_mass: [[6.2, 5.0, 0.0]",
         "manoeuvring: rigid_body_mass + added_mass must be symmetric",
     ),
     (
-        "added_mass: [[12.3,",
+        "added_mass: [[6.2,",
         "added_mass: [[-90.0,",
         "manoeuvring: rigid_body_mass + added_mass must be positive definite",
     ),

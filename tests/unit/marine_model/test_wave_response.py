@@ -49,11 +49,10 @@ def test_a_file_is_folded_into_frequency_by_heading(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.heading, [0.0, 1.0, np.pi])
     assert found.motion.shape == (3, 3, 6)
     assert found.drift.shape == (3, 3, 3)
-    np.testing.assert_allclose(
-        found.motion[0, 0], [0.1 + 0.101j, *(0.102 + 0.001 * (i + 1j * (i + 1)) for i in range(0, 10, 2))]
-    )
+    pairs = 0.1 + 0.002 * np.arange(6)  # numbers rise by 0.001, the real part of a mode before its imaginary part
+    np.testing.assert_allclose(found.motion[0, 0], pairs + 1j * (pairs + 0.001), rtol=1e-14)
     np.testing.assert_array_equal(found.drift[0, 0], [0.112, 0.113, 0.114])
-    np.testing.assert_array_equal(found.drift[1, 2], [0.1 + 5 * 0.015 + 0.012 + 0.001 * i for i in range(3)])
+    np.testing.assert_array_equal(found.drift[1, 2], [0.187, 0.188, 0.189])  # five lines of 15 numbers further
     with pytest.raises(ValueError, match="read-only"):
         found.drift[0, 0, 0] = 1.0
 
@@ -247,9 +246,8 @@ def test_fore_and_aft_symmetry(name: str) -> None:
     response = load_wave_response(name)
     np.testing.assert_allclose(response.heading[::-1], np.pi - response.heading, atol=1e-9)
     mirrored = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
-    # Roll reaches some 20 at its resonance, where the mirrored panels leave it a few units of the fifth decimal.
-    np.testing.assert_allclose(response.motion[:, ::-1] * mirrored, response.motion, rtol=2e-3, atol=5e-4)
-    np.testing.assert_allclose(response.drift[:, ::-1] * mirrored[[0, 1, 5]], response.drift, atol=3e-4)
+    np.testing.assert_allclose(response.motion[:, ::-1] * mirrored, response.motion, atol=2 * DECIMALS)
+    np.testing.assert_allclose(response.drift[:, ::-1] * mirrored[[0, 1, 5]], response.drift, atol=2 * DECIMALS)
 
 
 @shipped
@@ -258,9 +256,9 @@ def test_symmetry_to_port_and_starboard(name: str) -> None:
     middle = len(response.heading) // 2
     assert response.heading[middle] == pytest.approx(np.pi / 2)
     for end in (0, -1):
-        np.testing.assert_allclose(response.motion[:, end, [SWAY, ROLL, YAW]], 0.0, atol=5e-4)
-        np.testing.assert_allclose(response.drift[:, end, 1:], 0.0, atol=3e-4)
-    np.testing.assert_allclose(response.drift[:, middle, [0, 2]], 0.0, atol=3e-4)
+        np.testing.assert_allclose(response.motion[:, end, [SWAY, ROLL, YAW]], 0.0, atol=DECIMALS)
+        np.testing.assert_allclose(response.drift[:, end, 1:], 0.0, atol=DECIMALS)
+    np.testing.assert_allclose(response.drift[:, middle, [0, 2]], 0.0, atol=DECIMALS)
 
 
 def waterline_slope(name: str) -> tuple[float, float]:
@@ -274,8 +272,9 @@ def waterline_slope(name: str) -> tuple[float, float]:
 def test_short_waves_are_reflected_by_the_waterline(name: str) -> None:
     """Faltinsen's limit: 1/2 rho g a^2 sin^2 of the angle between waves and waterline, along its normal.
 
-    Beam seas: a wall would take 1/2 rho g L a^2. The sides have flare towards the ends, and the last wave of the table
-    is not yet infinitely short: a tenth.
+    Beam seas: a wall would take 1/2 rho g L a^2. The sides are not quite walls, and the last wave of the table, an
+    eighth of the length, is not yet short: a tenth. In head seas only the ends count, and they are as short as this
+    wave and not upright: a fifth.
     """
     beam, n = waterline_slope(name)
     response = load_wave_response(name)
@@ -287,7 +286,7 @@ def test_short_waves_are_reflected_by_the_waterline(name: str) -> None:
     side, _ = quad(lambda xi: 1.0 / (1.0 + slope(xi) ** 2), 0.0, 1.0)
     end, _ = quad(lambda xi: slope(xi) ** 3 / (1.0 + slope(xi) ** 2), 0.0, 1.0)
     assert last[len(last) // 2, 1] == pytest.approx(0.5 * side, rel=0.1)
-    assert last[-1, 0] == pytest.approx(-0.5 * end, rel=0.1)
+    assert last[-1, 0] == pytest.approx(-0.5 * end, rel=0.2)
 
 
 @shipped
@@ -305,7 +304,7 @@ def test_drift_goes_with_the_waves_and_no_further_than_total_reflection(name: st
 
 @shipped
 def test_the_resonances_are_resolved(name: str) -> None:
-    """Half the change from one frequency to the next but one predicts the one between: the largest error of that."""
+    """A straight line between the neighbours of a frequency predicts what is there."""
     response = load_wave_response(name)
     for values, largest in ((response.motion, 0.06), (response.drift, 0.06)):
         f = response.frequency

@@ -54,9 +54,9 @@ def test_coriolis_forces_do_no_work(nu: tuple[float, float, float]) -> None:
 
 
 def test_munk_moment_turns_the_bow_broadside() -> None:
-    # (M_22 - M_11) u v with M_11 = 101.3, M_22 = 170.4; the linear sway-yaw damping adds -0.59 v.
+    # (M_22 - M_11) u v with M_11 = 95.2, M_22 = 163.4; the linear sway-yaw damping adds -0.59 v.
     _, _, moment = Hull(VESSEL).hydrodynamic_force(0.5, -0.1, 0.0)
-    assert moment == pytest.approx((101.3 - 170.4) * 0.5 * -0.1 + 0.59 * 0.1, rel=1e-12)
+    assert moment == pytest.approx((95.2 - 163.4) * 0.5 * -0.1 + 0.59 * 0.1, rel=1e-12)
 
 
 def test_moving_frame_agrees_with_the_form_in_absolute_velocity() -> None:
@@ -95,11 +95,11 @@ def test_moving_frame_agrees_with_the_form_in_absolute_velocity() -> None:
 
 
 def test_time_step_too_long_for_the_hull_is_refused() -> None:
-    # The fastest linear decay of the model ship is yaw, 6.8 / 33.8 per second.
+    # The fastest linear decay of the model ship is yaw, 6.8 / 36.7 per second.
     content = VESSEL.model_dump()
     content["simulation"]["time_step"] = 2.0
     content["measurement"]["sample_time"] = 2.0
     slow = Vessel.model_validate(content)
-    # 0.2 / (6.8 / 33.8 / s) is 0.994 s; the coupling to sway makes it less than a hundredth less.
-    with pytest.raises(InputError, match=r"simulation\.time_step: expected at most 0\.98\d s.*found 2\.0 s"):
+    # 0.2 / (6.8 / 36.7 / s) is 1.079 s; the coupling to sway makes it less than a hundredth less.
+    with pytest.raises(InputError, match=r"simulation\.time_step: expected at most 1\.07 s.*found 2\.0 s"):
         Hull(slow)

@@ -145,8 +145,8 @@ def test_without_forces_the_ship_only_loses_energy() -> None:
         sim.step(STILL, H)
         assert sim.kinetic_energy() < energy
         energy = sim.kinetic_energy()
-    # Two minutes are eight time constants of the slowest motion, surge: 101.3 / 6.9 s; energy goes with the square.
-    assert energy < 100.0 * math.exp(-2.0 * 120.0 / (101.3 / 6.9)) * 1.0
+    # Two minutes are eight time constants of the slowest motion, surge: 95.2 / 6.9 s; energy goes with the square.
+    assert energy < 100.0 * math.exp(-2.0 * 120.0 / (95.2 / 6.9)) * 1.0
 
 
 def test_thrusters_at_their_limits_reversing_keep_the_ship_bounded() -> None:
@@ -179,7 +179,7 @@ def test_drift_force_of_head_seas_is_balanced_by_drag() -> None:
     output = sail(Simulator(VESSEL, SimulatorSettings(waves=waves)), 100.0)
     force = 0.5 * 1000.0 * 9.81 * 0.06**2 * 0.44 / 2.0  # N, 3.88
     speed = brentq(lambda v: 6.9 * v + 3.5 * v * v - force, 0.0, 5.0)
-    # The approach decays with (6.9 + 7.0 v) / 101.3 = 0.1 per second: e^-10 of v is left.
+    # The approach decays with (6.9 + 7.0 v) / 95.2 = 0.1 per second: e^-10 of v is left.
     assert output.velocity == pytest.approx([-speed, 0.0, 0.0], abs=5e-5)
 
 

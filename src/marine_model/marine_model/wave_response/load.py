@@ -85,13 +85,13 @@ def _table(path: Path, start: int, lines: list[str]) -> FloatArray:
     """Return the numbers, shape (rows, ``columns.WIDTH``); ``start`` is the number of the first line."""
     if not lines:
         raise DocumentError(f"{path}:{start}: expected a line for every frequency and heading, found none")
+    # numpy.loadtxt skips blank lines.
+    if any(line.count(",") != columns.WIDTH - 1 for line in lines):
+        raise DocumentError(_first_bad_line(path, start, lines))
     try:
-        # Comments and blank lines are not skipped, so that a row is a line.
         table = np.loadtxt(lines, delimiter=",", comments=None, ndmin=2)
     except ValueError as error:
         raise DocumentError(_first_bad_line(path, start, lines)) from error
-    if len(table) != len(lines) or table.shape[1] != columns.WIDTH:
-        raise DocumentError(_first_bad_line(path, start, lines))
     bad = np.flatnonzero(~np.isfinite(table).all(axis=1))
     if bad.size:
         row = int(bad[0])
