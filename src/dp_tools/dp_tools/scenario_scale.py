@@ -42,6 +42,7 @@ def scaled_scenario(scenario: Scenario, own: Vessel, vessel: Vessel) -> Scenario
     if abs(samples / law.time - 1.0) < _SAME_CLOCK:
         law = FroudeLaw(ratio, clock=samples / law.time)
     scale = _ScenarioLaw(law, own, vessel)
+    duration = scale.whole_samples(scenario.duration)
     return law.section(
         scenario,
         name=_name(f"{scenario.name}_{vessel.name}"),
@@ -53,12 +54,17 @@ def scaled_scenario(scenario: Scenario, own: Vessel, vessel: Vessel) -> Scenario
         ),
         vessel=vessel.name,
         scale=vessel.scale,
-        duration=scale.whole_samples(scenario.duration),
+        duration=duration,
         parameters=scale.parameters(scenario.parameters, plain_defaults=True),
         events=tuple(
             law.section(event, at=scale.whole_samples(event.at), parameters=scale.parameters(event.parameters))
             for event in scenario.events
         ),
+        # The duration may have been rounded to a sample before the end of a window.
+        windows={
+            name: (law.value(start, "s"), min(law.value(end, "s"), duration))
+            for name, (start, end) in scenario.windows.items()
+        },
         figures=tuple(_figure(figure, law) for figure in scenario.figures),
     )
 
@@ -84,10 +90,12 @@ class _ScenarioLaw:
         if plain_defaults:
             for node, defaults in self._defaults.items():
                 plain = {k: v for k, v in defaults.items() if v is not None and v == self._following[node][k]}
-                changed = {k: v for k, v in self._node(node, plain).items() if v != plain[k]}
                 own = found.get(node, {})
+                scaled_defaults = self._node(node, {k: v for k, v in plain.items() if k not in own}).items()
+                # Parameter files know lists only.
+                changed = {k: list(v) if isinstance(v, tuple) else v for k, v in scaled_defaults if v != plain[k]}
                 if changed:
-                    found[node] = own | {k: v for k, v in changed.items() if k not in own}
+                    found[node] = own | changed
         return found
 
     def _node(self, node: str, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -98,8 +106,8 @@ class _ScenarioLaw:
         if unit is None:
             return value
         new = self._law.value(value, unit)
-        if isinstance(value, list | tuple):
-            return [old if _unlimited(old) else one for old, one in zip(value, new, strict=True)]
+        if isinstance(value, list | tuple) and new != value:
+            return type(value)(old if _unlimited(old) else one for old, one in zip(value, new, strict=True))
         return value if _unlimited(value) else new
 
 

@@ -126,7 +126,9 @@ def test_defaults_that_are_plain_numbers_are_written_out(large: Scenario, law: F
     """What a vessel file gives (time-outs of the drivers, limits of power) follows the vessel and is not."""
     assert large.parameters["dp_controller"]["anti_windup_time"] == pytest.approx(20.0 * law.time)
     assert large.parameters["dp_observer"] == {"dead_reckoning_limit": pytest.approx(5.0 * law.time)}
-    assert "power.available" not in large.parameters["thrust_allocator"]
+    for name in ("power.available", "power.bus_limit", "sectors.enabled"):
+        assert name not in large.parameters["thrust_allocator"]
+    assert "proportional_scale" not in large.parameters["dp_controller"]
     assert "sectors.dwell_time" not in large.parameters["thrust_allocator"]
     assert "command_timeout" not in large.parameters.get("thruster_drivers", {})
 
@@ -179,10 +181,16 @@ def test_times_go_to_the_samples_of_another_ship(path: Path, model: Vessel, tmp_
     found = scaled_scenario(load_scenario(path), model, load_vessel(other))
     assert found.duration == 219.0  # 219.09
     assert [event.at for event in found.events] == [0.0, 55.0, 110.0, 164.0]
+    assert found.windows["late"] == pytest.approx((20.0 * math.sqrt(RATIO), 219.0)), "no window goes beyond the end"
     assert found.parameters["vessel_sim"]["waves.period"] == pytest.approx(0.8 * math.sqrt(RATIO))
 
 
-def test_every_shipped_scenario_fits_the_full_scale_ship(ship: Vessel) -> None:
+def test_runs_without_thrusters_by_name_fit_another_ship() -> None:
+    for path in (SCENARIOS / "run_a.yaml", SCENARIOS / "run_b.yaml"):
+        assert load_scenario(path, load_vessel("drillship")).scale == 1.0
+
+
+def test_runs_of_the_thesis_fit_the_full_scale_ship(ship: Vessel) -> None:
     for path in sorted(SCENARIOS.glob("run_*.yaml")):
         assert load_scenario(path, ship).scale == 1.0
 
