@@ -10,10 +10,22 @@ import pytest
 from rich.console import Console
 
 from dp_tools.cli import main
-from dp_tools.commands import design, detection, open_water, parameters, propeller, report, root, scenarios, topics, up
+from dp_tools.commands import (
+    design,
+    detection,
+    open_water,
+    parameters,
+    propeller,
+    report,
+    root,
+    run_scenarios,
+    scenarios,
+    topics,
+    up,
+)
 
 Dp = Callable[..., tuple[int, str]]
-_MODULES = (design, detection, open_water, parameters, propeller, report, root, scenarios, topics, up)
+_MODULES = (design, detection, open_water, parameters, propeller, report, root, run_scenarios, scenarios, topics, up)
 
 
 @pytest.fixture
