@@ -1,6 +1,6 @@
 # make help lists the targets. Choose another Python with: make PYTHON=python3.12 setup
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint bench hydrodynamics lock clean distclean
+.PHONY: help setup demo runs test lint bench hydrodynamics lock clean distclean
 
 VENV := .venv/bin
 # Tests hand in wrong types on purpose, and strings where a choice is meant.
@@ -20,6 +20,13 @@ setup: ## install what is needed into .venv and build the packages into install/
 
 demo: setup ## set up, sail Run A, leave runs/run_a/bag and runs/run_a/report.html
 	$(VENV)/dp up --scenario run_a --lockstep --record --report --overwrite
+
+# Runs in process over SEEDS seeds each; with GRAPH=1 once each on the lockstep graph, compared with in process.
+SEEDS := 8
+RUNS := $(if $(GRAPH),--compare,--inprocess --repeat $(SEEDS))
+
+runs: setup ## set up, sail every run of the thesis (GRAPH=1: on the graph), leave runs/index.html
+	$(VENV)/dp scenario run all $(RUNS) --overwrite
 
 test: setup ## set up and run all tests
 	$(VENV)/python -m pytest -n auto --dist loadfile -rs tests

@@ -18,6 +18,7 @@ from dp_tools.commands import (
     propeller,
     report,
     root,
+    run_scenarios,
     scenarios,
     topics,
     up,
@@ -25,7 +26,20 @@ from dp_tools.commands import (
 )
 
 Dp = Callable[..., tuple[int, str]]
-_MODULES = (design, detection, open_water, parameters, propeller, report, root, scenarios, topics, up, vessels)
+_MODULES = (
+    design,
+    detection,
+    open_water,
+    parameters,
+    propeller,
+    report,
+    root,
+    run_scenarios,
+    scenarios,
+    topics,
+    up,
+    vessels,
+)
 
 
 @pytest.fixture

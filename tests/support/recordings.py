@@ -6,10 +6,10 @@ from collections import defaultdict
 from collections.abc import Iterable
 from pathlib import Path
 
-import numpy as np
 from mcap.reader import make_reader
 
 from dp_tools.bag_reader import bag_file, read_bag
+from dp_tools.campaign.comparison import differences
 from dp_tools.in_process import ClosedLoop
 
 # They carry wall-clock time, or begin before the recorder does (transition_event, which rclpy keeps for nobody).
@@ -43,18 +43,4 @@ def differences_from_in_process_loop(bag: Path) -> dict[str, float]:
     """Sail the bag's scenario in process; return the largest difference by series, infinite where a series lacks."""
     recorded = read_bag(bag)
     assert recorded.scenario is not None
-    graph, loop = recorded.run, ClosedLoop(recorded.vessel, recorded.scenario).run()
-    found = {}
-    for name in sorted(set(graph.series) | set(loop.series)):
-        if name not in graph or name not in loop or graph[name].values.shape != loop[name].values.shape:
-            found[name] = float("inf")
-            continue
-        values = np.abs(graph[name].values - loop[name].values)
-        # A lost pose is NaN in both.
-        both = np.isnan(graph[name].values) & np.isnan(loop[name].values)
-        found[name] = float(np.where(both, 0.0, values).max(initial=0.0))
-        found[f"{name} time"] = float(np.abs(graph[name].t - loop[name].t).max(initial=0.0))
-    for name in sorted(set(graph.labels) | set(loop.labels)):
-        same = name in graph.labels and name in loop.labels and graph.labels[name].words == loop.labels[name].words
-        found[f"{name} words"] = 0.0 if same else float("inf")
-    return found
+    return differences(recorded.run, ClosedLoop(recorded.vessel, recorded.scenario).run())

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from dp_tools.campaign.comparison import AGREEMENT
-from dp_tools.campaign.machine import machine
 from dp_tools.campaign.order import Outcome
 from dp_tools.campaign.over_seeds import Verdict
 from dp_tools.campaign.summary import SUMMARY_NAME, JudgedFigure, RunSummary, read_summary
@@ -235,11 +234,15 @@ def index_facts(entries: Sequence[Entry]) -> list[tuple[str, str]]:
     found = [verdict for figure in figures for verdict in figure.verdicts]
     counts = [(verdict, found.count(verdict)) for verdict in Verdict]
     seeds = {len(entry.summary.seeds) for entry in entries}
-    machines = dict.fromkeys(entry.summary.machine for entry in entries if entry.summary.machine)
     facts = [("Runs", str(len(entries))), ("Figures", str(len(figures)))]
     facts.append(("Seeds a run", " to ".join(dict.fromkeys((str(min(seeds)), str(max(seeds)))))))
     facts += [(str(verdict).capitalize(), str(count)) for verdict, count in counts if count]
-    return [*facts, ("Machine", "; ".join(machines) or machine())]
+    return facts
+
+
+def index_machines(entries: Sequence[Entry]) -> str:
+    """Return the machines that sailed them, as far as that is known."""
+    return "; ".join(dict.fromkeys(entry.summary.machine for entry in entries if entry.summary.machine))
 
 
 def index_versions(entries: Sequence[Entry]) -> str:

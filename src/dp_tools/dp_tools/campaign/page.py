@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from dp_tools.campaign.index import INDEX_DATA_NAME, INDEX_NAME, Entry, index_facts, index_versions, write_index_data
+from dp_tools.campaign.index import (
+    INDEX_DATA_NAME,
+    INDEX_NAME,
+    Entry,
+    index_facts,
+    index_machines,
+    index_versions,
+    write_index_data,
+)
 from dp_tools.report.template import fill_in
 
 
@@ -30,6 +38,7 @@ def render(entries: Sequence[Entry]) -> str:
         "index.html",
         entries=entries,
         facts=index_facts(entries),
+        machines=index_machines(entries),
         versions=index_versions(entries),
         compared=any(entry.summary.apart is not None for entry in entries),
     )
