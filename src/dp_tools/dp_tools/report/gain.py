@@ -17,18 +17,13 @@ def attainable_plot(scene: Scene, spec: AttainablePlot) -> tuple[str, str]:
     span = scene.scenario.windows[spec.window] if spec.window else scene.whole
     panels = scene.panels(("scaled force (1)",), span, height=3.2)
     lengths = attainable(scene.run, scene.vessel, spec.reverse)
-    t, gain, beyond = lengths.t, lengths.gain.copy(), lengths.beyond.copy()
-    missed = lengths.missed > spec.tolerance
-    for name, reverse in spec.reverse_in.items():
-        start, end = scene.scenario.windows[name]
-        inside = (t >= start - 5e-7) & (t < end - 5e-7)
-        own = attainable(scene.run, scene.vessel, reverse)
-        gain[inside], beyond[inside] = own.gain[inside], own.beyond[inside]
-    panels.draw(0, t, gain, "minimum gain σ_min", style.LIMIT, linewidth=1.2, **_STEPS)
+    t, missed = lengths.t, lengths.missed > spec.tolerance
+    panels.draw(0, t, lengths.gain, "minimum gain σ_min", style.LIMIT, linewidth=1.2, **_STEPS)
     panels.draw(0, t, lengths.commanded, "commanded", style.COMMANDED, linewidth=1.0, **_STEPS)
     panels.draw(0, t, lengths.demand, "desired", style.DESIRED, linewidth=1.0, linestyle=(0, (4, 2)), **_STEPS)
-    panels.stretches(0, t, missed & beyond, "missed, demand beyond σ_min", style.RAW)
-    panels.stretches(0, t, missed & ~beyond, "missed, demand within σ_min", style.FLAGGED)
+    panels.stretches(0, t, missed & lengths.beyond, "missed: beyond σ_min", style.RAW)
+    panels.stretches(0, t, missed & lengths.too_fast, "faster than thrust", style.MEASURED)
+    panels.stretches(0, t, missed & lengths.inside, "within σ_min", style.FLAGGED)
     panels.axes[0].set_ylim(bottom=0.0)
     return panels.image(), "Length of the scaled desired and commanded force and the minimum gain over time"
 
