@@ -190,7 +190,8 @@ class Waves(Sea):
 
 
 def _table(rows: list[FloatArray]) -> FloatArray:
-    return np.array(rows, dtype=np.float64).reshape(len(rows), WIDTH)
+    table: FloatArray = np.array(rows, dtype=np.float64).reshape(len(rows), WIDTH)
+    return table
 
 
 def _keys(table: FloatArray) -> list[Key]:
