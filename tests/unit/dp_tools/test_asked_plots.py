@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-<<<<<<< ours
 from pathlib import Path
-=======
 import base64
 import dataclasses
->>>>>>> theirs
 from typing import Any, get_args
 
 import numpy as np
@@ -16,28 +13,18 @@ from pydantic import ValidationError
 
 from dp_tools.plot_specs import PlotSpec
 from dp_tools.plot_specs.overlay import Overlay
-<<<<<<< ours
 from dp_tools.plot_specs.overlay_panels import OverlayPanels
 from dp_tools.plot_specs.spectra import Spectra
 from dp_tools.plot_specs.thrust_and_loss import ThrustAndLoss
-from dp_tools.report.asked import _DRAWN_BY, asked_pictures
-from dp_tools.report.scene import Scene
-from dp_tools.report.style import plot_style
-from dp_tools.report.thrust_and_loss import antispin_flag
-from dp_tools.run_data import RunData
-from dp_tools.scenario import Event, Scenario, load_scenario
-from marine_model import Vessel, load_vessel
-from marine_model.errors import DocumentError
-=======
 from dp_tools.report import style
 from dp_tools.report.asked import _DRAWN_BY, asked_pictures
 from dp_tools.report.scene import Scene
 from dp_tools.report.style import plot_style
+from dp_tools.report.thrust_and_loss import antispin_flag
 from dp_tools.run_data import RunData, Series
-from dp_tools.scenario import Scenario, load_scenario
+from dp_tools.scenario import Event, Scenario, load_scenario
 from marine_model import Vessel, load_vessel
-from marine_model.errors import InputError
->>>>>>> theirs
+from marine_model.errors import DocumentError, InputError
 from support.repository import SCENARIOS
 from support.synthetic_run import SAMPLE, synthetic_run
 
@@ -75,7 +62,6 @@ def test_windows_are_laid_over_one_another(series: str, run: RunData, vessel: Ve
     assert "off, on" in picture.alt
 
 
-<<<<<<< ours
 GROUPS = {"off": ("fixed",), "on": ("rotating",)}
 
 
@@ -171,7 +157,6 @@ def test_the_flag_of_antispin_is_that_of_the_parameters() -> None:
     flag = antispin_flag(scenario, 40.0)
     assert flag.t.tolist() == [0.0, 10.0, 30.0, 40.0]
     assert flag.values[:, 0].tolist() == [0.0, 1.0, 0.0, 0.0]
-=======
 def drawn(run: RunData, vessel: Vessel, spec: dict[str, Any], **fields: Any) -> tuple[str, str]:
     """Return what the picture is said to show, and its SVG."""
     scenario = Scenario.model_validate(
@@ -186,21 +171,15 @@ def drawn(run: RunData, vessel: Vessel, spec: dict[str, Any], **fields: Any) -> 
         }
         | fields
     )
-    with plot_style():
-        (picture,) = asked_pictures(Scene(run, scenario, vessel))
     head, _, data = picture.image.partition(",")
     assert head == "data:image/svg+xml;base64"
     return picture.alt, base64.b64decode(data).decode()
-
-
 def test_sectors_are_shaded(run: RunData, vessel: Vessel) -> None:
     alt, whole = drawn(run, vessel, {"kind": "sectors"})
     assert "forbidden sectors" in alt
     # Five sectors, each seen once more a turn below, and the patch of the legend.
     assert whole.count(style.FAULT) == 11
     assert drawn(run, vessel, {"kind": "sectors", "window": "part"})[1] != whole
-
-
 def test_the_demand_of_auto_mode_stands_over_its_hysteresis(run: RunData, vessel: Vessel) -> None:
     t = np.arange(100) * SAMPLE
     series = {**run.series, "performance_measure": Series(t, np.linspace(0.0, 2.0, 100)[:, None])}
@@ -209,27 +188,20 @@ def test_the_demand_of_auto_mode_stands_over_its_hysteresis(run: RunData, vessel
     assert image.count(style.BAND) == 2  # band and legend
     with pytest.raises(InputError, match="performance_measure"):
         drawn(run, vessel, {"kind": "auto_mode"})
-
-
 FAILS = [
     {"at": 20.0, "parameters": {"vessel_sim": {"propulsion.failed": [False, True, True, False]}}},
     {"at": 40.0, "parameters": {"vessel_sim": {"propulsion.failed": [False] * 4}}},
     {"at": 60.0, "parameters": {"vessel_sim": {"propulsion.azimuth_failed": [False, False, True, False]}}},
 ]
-
-
 def test_faults_are_red(run: RunData, vessel: Vessel) -> None:
     _, image = drawn(run, vessel, {"kind": "faults"}, events=FAILS)
     assert image.count(style.FAULT) == 2 * 4 + 1  # two faults in four panels, and the legend
     assert drawn(run, vessel, {"kind": "faults"})[1].count(style.FAULT) == 0
-
-
 def test_every_picture_of_a_report_shades_the_thruster_that_is_faulty(run: RunData, vessel: Vessel) -> None:
     base = load_scenario(SCENARIOS / "run_a.yaml")
     events = [*(event.model_dump(exclude_defaults=True) for event in base.events), *FAILS]
     events.sort(key=lambda event: event.get("at", 0.0))
     scenario = Scenario.model_validate(base.model_dump(exclude={"events"}) | {"events": events})
-    with plot_style():
         panels = Scene(run, scenario, vessel).panels(
             ("azimuth bow\n(deg)", "azimuth port\n(deg)", "east (m)"), (0.0, 380.0)
         )
@@ -237,8 +209,6 @@ def test_every_picture_of_a_report_shades_the_thruster_that_is_faulty(run: RunDa
     more = [len(a.patches) - len(b.patches) for a, b in zip(panels.axes, plain.axes, strict=True)]
     windows = len(Scene(run, base, vessel).measured_windows)  # not shaded beside faults
     assert more == [1 - windows, 2 - windows, 2 - windows]
-
-
 def test_figures_as_bars(run: RunData, vessel: Vessel) -> None:
     figures = [
         {"name": f"power_{name}", "kind": "mean_power", "title": name, "window": name} for name in ("part", "rest")
@@ -255,4 +225,3 @@ def test_figures_as_bars(run: RunData, vessel: Vessel) -> None:
     assert alt == "power (W) of rest, part"
     with pytest.raises(InputError, match="expected names out of power_part, power_rest, found 'nothing'"):
         drawn(run, vessel, spec | {"figures": ["power_part", "nothing"]}, figures=figures, windows=windows)
->>>>>>> theirs
