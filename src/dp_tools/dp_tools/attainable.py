@@ -16,8 +16,8 @@ from thrust_allocator.singularity import scaled_configuration, scaling_of
 # How hard thrusters push astern, as far as the minimum gain goes: as hard as ahead, as the theorem has it; as hard as
 # the vessel file says; azimuth thrusters that rotate not at all.
 Reverse = Literal["as_ahead", "own", "none"]
-# Missed force that counts, scaled as (7.6): 0.09 N on CyberShip III. The constraint is soft; without any limit it leaves
-# 0.0006 at most of a demand of length sigma_min (40000 random directions, sigma_min from 0.001).
+# Missed force that counts, scaled as (7.6): 0.09 N on CyberShip III. The constraint is soft; without any limit it
+# leaves 0.0006 at most of a demand of length sigma_min (40000 random directions, sigma_min from 0.001).
 MISSED = 0.01
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 import base64
 import dataclasses
+from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
@@ -157,6 +157,8 @@ def test_the_flag_of_antispin_is_that_of_the_parameters() -> None:
     flag = antispin_flag(scenario, 40.0)
     assert flag.t.tolist() == [0.0, 10.0, 30.0, 40.0]
     assert flag.values[:, 0].tolist() == [0.0, 1.0, 0.0, 0.0]
+
+
 def drawn(run: RunData, vessel: Vessel, spec: dict[str, Any], **fields: Any) -> tuple[str, str]:
     """Return what the picture is said to show, and its SVG."""
     scenario = Scenario.model_validate(
@@ -171,15 +173,21 @@ def drawn(run: RunData, vessel: Vessel, spec: dict[str, Any], **fields: Any) -> 
         }
         | fields
     )
+    with plot_style():
+        (picture,) = asked_pictures(Scene(run, scenario, vessel))
     head, _, data = picture.image.partition(",")
     assert head == "data:image/svg+xml;base64"
     return picture.alt, base64.b64decode(data).decode()
+
+
 def test_sectors_are_shaded(run: RunData, vessel: Vessel) -> None:
     alt, whole = drawn(run, vessel, {"kind": "sectors"})
     assert "forbidden sectors" in alt
     # Five sectors, each seen once more a turn below, and the patch of the legend.
     assert whole.count(style.FAULT) == 11
     assert drawn(run, vessel, {"kind": "sectors", "window": "part"})[1] != whole
+
+
 def test_the_demand_of_auto_mode_stands_over_its_hysteresis(run: RunData, vessel: Vessel) -> None:
     t = np.arange(100) * SAMPLE
     series = {**run.series, "performance_measure": Series(t, np.linspace(0.0, 2.0, 100)[:, None])}
@@ -188,20 +196,27 @@ def test_the_demand_of_auto_mode_stands_over_its_hysteresis(run: RunData, vessel
     assert image.count(style.BAND) == 2  # band and legend
     with pytest.raises(InputError, match="performance_measure"):
         drawn(run, vessel, {"kind": "auto_mode"})
+
+
 FAILS = [
     {"at": 20.0, "parameters": {"vessel_sim": {"propulsion.failed": [False, True, True, False]}}},
     {"at": 40.0, "parameters": {"vessel_sim": {"propulsion.failed": [False] * 4}}},
     {"at": 60.0, "parameters": {"vessel_sim": {"propulsion.azimuth_failed": [False, False, True, False]}}},
 ]
+
+
 def test_faults_are_red(run: RunData, vessel: Vessel) -> None:
     _, image = drawn(run, vessel, {"kind": "faults"}, events=FAILS)
     assert image.count(style.FAULT) == 2 * 4 + 1  # two faults in four panels, and the legend
     assert drawn(run, vessel, {"kind": "faults"})[1].count(style.FAULT) == 0
+
+
 def test_every_picture_of_a_report_shades_the_thruster_that_is_faulty(run: RunData, vessel: Vessel) -> None:
     base = load_scenario(SCENARIOS / "run_a.yaml")
     events = [*(event.model_dump(exclude_defaults=True) for event in base.events), *FAILS]
     events.sort(key=lambda event: event.get("at", 0.0))
     scenario = Scenario.model_validate(base.model_dump(exclude={"events"}) | {"events": events})
+    with plot_style():
         panels = Scene(run, scenario, vessel).panels(
             ("azimuth bow\n(deg)", "azimuth port\n(deg)", "east (m)"), (0.0, 380.0)
         )
@@ -209,6 +224,8 @@ def test_every_picture_of_a_report_shades_the_thruster_that_is_faulty(run: RunDa
     more = [len(a.patches) - len(b.patches) for a, b in zip(panels.axes, plain.axes, strict=True)]
     windows = len(Scene(run, base, vessel).measured_windows)  # not shaded beside faults
     assert more == [1 - windows, 2 - windows, 2 - windows]
+
+
 def test_figures_as_bars(run: RunData, vessel: Vessel) -> None:
     figures = [
         {"name": f"power_{name}", "kind": "mean_power", "title": name, "window": name} for name in ("part", "rest")
