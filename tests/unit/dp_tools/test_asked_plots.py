@@ -12,6 +12,7 @@ import pytest
 from pydantic import ValidationError
 
 from dp_tools.plot_specs import PlotSpec
+from dp_tools.plot_specs.gain import AttainablePlot, MinimumGains
 from dp_tools.plot_specs.overlay import Overlay
 from dp_tools.plot_specs.overlay_panels import OverlayPanels
 from dp_tools.plot_specs.spectra import Spectra
@@ -242,3 +243,21 @@ def test_figures_as_bars(run: RunData, vessel: Vessel) -> None:
     assert alt == "power (W) of rest, part"
     with pytest.raises(InputError, match="expected names out of power_part, power_rest, found 'nothing'"):
         drawn(run, vessel, spec | {"figures": ["power_part", "nothing"]}, figures=figures, windows=windows)
+
+
+@pytest.mark.parametrize("window", ["", "part"])
+@pytest.mark.parametrize("reverse", ["as_ahead", "own", "none"])
+def test_demand_is_drawn_beside_the_minimum_gain(window: str, reverse: str, run: RunData, vessel: Vessel) -> None:
+    alt, _ = drawn(run, vessel, {"kind": "attainable", "window": window, "reverse": reverse})
+    assert "minimum gain" in alt
+
+
+@pytest.mark.parametrize("push", [False, True])
+def test_minimum_gains_are_drawn(push: bool, run: RunData, vessel: Vessel) -> None:
+    alt, _ = drawn(run, vessel, {"kind": "minimum_gains", "limit": 0.5, "push": push})
+    assert "singularity avoidance" in alt
+
+
+def test_gains_need_no_window_but_one_that_is_there() -> None:
+    assert AttainablePlot(kind="attainable", title="D", window="switch").windows() == (("window", "switch"),)
+    assert MinimumGains(kind="minimum_gains", title="G").windows() == ()

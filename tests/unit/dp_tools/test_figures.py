@@ -149,7 +149,7 @@ def test_a_thruster_of_a_figure_must_be_there(tmp_path: Path) -> None:
     text = (SCENARIOS / "run_a.yaml").read_text(encoding="utf-8")
     extra = "  - {name: x, kind: thrust_level, title: X, window: fixed, thruster: rudder}\n"
     path = tmp_path / "x.yaml"
-    path.write_text(text + extra, encoding="utf-8")
+    path.write_text(text.replace("figures:\n", f"figures:\n{extra}", 1), encoding="utf-8")
     with pytest.raises(DocumentError, match=r"thruster: expected one of tunnel_bow, .*, found 'rudder'"):
         load_scenario(path)
 

@@ -174,11 +174,11 @@ def test_refused_input_changes_nothing(tau: Any, dt: float, message: str) -> Non
     np.testing.assert_array_equal(found.azimuth, expected.azimuth)
 
 
-@pytest.mark.parametrize("field", ["thruster_enabled", "azimuth_enabled", "thrust_limit_scale"])
+@pytest.mark.parametrize("field", ["thruster_enabled", "azimuth_enabled", "thrust_limit_scale", "fixed_direction"])
 def test_settings_of_the_wrong_length_are_refused_and_the_old_ones_stay(field: str) -> None:
     made = allocator()
     old = made.settings
-    value: tuple[float | bool, ...] = (1.0,) * 3 if field == "thrust_limit_scale" else (True,) * 3
+    value: tuple[float | bool, ...] = (True,) * 3 if field.endswith("enabled") else (1.0,) * 3
     message = (
         f"{field}: expected 4 elements, one a thruster "
         "(tunnel_bow, azimuth_bow, azimuth_port, azimuth_starboard), found 3"

@@ -53,6 +53,20 @@ def test_to_fixed_turns_at_full_rate_and_is_allocated_as_fixed_on_the_way() -> N
     assert run(allocator, [-4.0, 1.0, 0.0], 10)[-1].thrust.min() < -1.0  # reverse thrust is there again
 
 
+def test_fixed_directions_may_be_others_than_those_of_the_vessel_file() -> None:
+    allocator = Allocator(VESSEL, FIXED)
+    angles = tuple(np.radians([0.0, 80.0, 26.0, 46.0]).tolist())
+    allocator.apply(AllocatorSettings(azimuth_mode="fixed", fixed_direction=angles))
+    first = allocator.step([1.0, 0.0, 0.0], DT)
+    # The starboard thruster has 91 deg to turn, and does so at full rate; the tunnel thruster keeps its own direction.
+    assert first.azimuth[3] == pytest.approx(VESSEL.fixed_direction[3] + TURN)
+    last = run(allocator, [1.0, 0.0, 0.0], 10)[-1]
+    assert last.azimuth == pytest.approx([VESSEL.fixed_direction[0], *angles[1:]])
+    assert last.tau_achieved == pytest.approx([1.0, 0.0, 0.0], abs=1e-3)
+    allocator.apply(FIXED)
+    assert run(allocator, [1.0, 0.0, 0.0], 12)[-1].azimuth == pytest.approx(VESSEL.fixed_direction)
+
+
 def test_to_rotating_stays_fixed_until_reverse_thrust_is_gone() -> None:
     allocator = Allocator(VESSEL, FIXED)
     before = run(allocator, [-6.0, 0.0, 0.0], 30)[-1]

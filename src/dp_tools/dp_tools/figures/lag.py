@@ -16,8 +16,8 @@ from marine_model.frames import wrap_angles
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
 
-# Longer than any lag of actuators that keep up.
-_LONGEST = 2.0  # s
+# Longer than any lag of actuators that keep up, in samples of the control system.
+_LONGEST = 10.0
 
 
 class ActuatorLag(WindowFigure):
@@ -50,13 +50,14 @@ class ActuatorLag(WindowFigure):
         if len(measured.t) < 2:
             raise InputError(f"window {self.window}: expected two samples or more, found {len(measured.t)}")
         step = float(measured.t[1] - measured.t[0])
-        shifts = np.arange(round(_LONGEST / step) + 1) * step
+        shifts = np.arange(round(_LONGEST * vessel.measurement.sample_time / step) + 1) * step
         errors = [self._error(command, measured, j, shift) for shift in shifts.tolist()]
         return Measurement(float(shifts[int(np.argmin(errors))]))
 
     def _error(self, command: Series, measured: Series, j: int, shift: float) -> float:
         """Return the mean square of measured minus shifted command."""
         error = measured.values[:, j] - command.at(measured.t - shift)[:, j]
+        error = error[np.isfinite(error)]  # there is no command before the first
         if self.of == "azimuth":
             error = wrap_angles(error)
-        return float(np.nanmean(error * error))
+        return float(np.mean(error * error))
