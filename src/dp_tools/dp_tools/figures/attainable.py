@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from dp_tools.run_data import RunData
 from marine_model import Vessel
 from marine_model.frames import wrap_angles
 from marine_model.schema import Positive
+from marine_model.units import Unit
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
@@ -35,7 +36,7 @@ class AttainableSamples(WindowFigure):
     demand: Literal["inside", "too_fast", "beyond"]
     missed: bool = False  # count only samples in which force was missed
     reverse: Reverse = "as_ahead"
-    tolerance: Positive = MISSED  # missed force that counts, scaled
+    tolerance: Annotated[Positive, Unit("1")] = MISSED  # missed force that counts, scaled
 
     @property
     def unit(self) -> str:
@@ -73,7 +74,7 @@ class LowGainSamples(WindowFigure):
     """Samples in which the minimum gain is below a limit; all, or those in which no thruster turned either."""
 
     kind: Literal["low_gain_samples"]
-    limit: Positive
+    limit: Annotated[Positive, Unit("1")]
     directions: Directions = "both_ways"
     at_rest: bool = False
 

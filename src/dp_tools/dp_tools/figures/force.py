@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from dp_tools.signals import measured_force
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from marine_model.schema import PositiveVector3
+from marine_model.units import Unit
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
@@ -95,7 +96,7 @@ class ForceMet(WindowFigure):
     shown: ClassVar[Shown] = "share"
 
     kind: Literal["force_met"]
-    tolerance: PositiveVector3  # N, N, N m
+    tolerance: Annotated[PositiveVector3, Unit("N, N, N m")]
 
     @property
     def unit(self) -> str:

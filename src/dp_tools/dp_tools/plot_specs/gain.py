@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from dp_tools.attainable import MISSED, Reverse
 from dp_tools.plot_specs.base import PlotSpec
 from marine_model.schema import Positive
+from marine_model.units import Unit
 
 
 class AttainablePlot(PlotSpec):
@@ -15,7 +16,7 @@ class AttainablePlot(PlotSpec):
     kind: Literal["attainable"]
     window: str = ""  # empty: the whole run
     reverse: Reverse = "as_ahead"
-    tolerance: Positive = MISSED  # missed force that is marked, scaled
+    tolerance: Annotated[Positive, Unit("1")] = MISSED  # missed force that is marked, scaled
 
     def windows(self) -> tuple[tuple[str, str], ...]:
         """Return the window, if there is one."""
@@ -27,7 +28,7 @@ class MinimumGains(PlotSpec):
 
     kind: Literal["minimum_gains"]
     window: str = ""  # empty: the whole run
-    limit: Positive | None = None  # sigma_lim
+    limit: Annotated[Positive | None, Unit("1")] = None  # sigma_lim
     push: bool = False  # also with rotating thrusters that push one way only
 
     def windows(self) -> tuple[tuple[str, str], ...]:
