@@ -150,7 +150,8 @@ class Waves(Sea):
 
     def _row(self, key: Key) -> FloatArray:
         """Return a row of a component that is in the table."""
-        return self._components[_keys(self._components).index(key)].copy()
+        row: FloatArray = self._components[_keys(self._components).index(key)].copy()
+        return row
 
     def _take(self, table: FloatArray) -> None:
         keys = _keys(table)
