@@ -6,7 +6,7 @@ import capytaine as cpt
 import numpy as np
 
 from hydrodynamics import body
-from hydrodynamics.body import HEAVE, PITCH, Hull
+from hydrodynamics.body import HEAVE, Hull
 from hydrodynamics.response import Response
 from marine_model.vessel import Vessel
 
@@ -15,7 +15,7 @@ def comments(vessel: Vessel, hull: Hull, response: Response, panel: float) -> li
     """Return the lines above the table."""
     form, particulars = hull.form, vessel.hull
     metres, kilograms = particulars.length, vessel.density * particulars.length**3
-    slow = response.slow_added_mass
+    slow, height = response.slow_added_mass, hull.centre_of_gravity
     arm, turn = kilograms * metres, kilograms * metres**2
     return [
         f"Response of the hull of {vessel.name} to regular deep-water waves at zero speed. docs/hydrodynamics.md",
@@ -27,9 +27,9 @@ def comments(vessel: Vessel, hull: Hull, response: Response, panel: float) -> li
         f"panels: {hull.body.mesh.nb_faces} on the hull, {hull.body.lid_mesh.nb_faces} on its lid, side {panel:g} L",
         f"GM {body.METACENTRIC_HEIGHT:g} B; radii of gyration {body.RADIUS_ROLL:g} B (roll), {body.RADIUS_PITCH:g} L "
         f"(pitch), {body.RADIUS_YAW:g} L (yaw); viscous roll damping {body.VISCOUS_ROLL:g} of critical",
-        f"centre of gravity {-metres * hull.centre_of_gravity:.4g} m below the waterline",
-        f"natural frequencies, omega sqrt(L / g): roll {response.roll_frequency:.3f}; largest pitch response at "
-        f"{_peak(response, PITCH):.2f} (over wave slope), largest heave response at {_peak(response, HEAVE):.2f}",
+        f"centre of gravity {metres * abs(height):.4g} m {'above' if height > 0.0 else 'below'} the waterline",
+        f"roll resonates at omega sqrt(L / g) = {response.roll_frequency:.3f}, heave is largest at "
+        f"{_heave(response):.2f}",
         "added mass in slow motion: surge "
         f"{kilograms * slow[0, 0]:.4g} kg, sway {kilograms * slow[1, 1]:.4g} kg, yaw {turn * slow[2, 2]:.4g} kg m^2, "
         f"sway-yaw {arm * slow[1, 2]:.2g} kg m",
@@ -42,7 +42,7 @@ def comments(vessel: Vessel, hull: Hull, response: Response, panel: float) -> li
     ]
 
 
-def _peak(response: Response, mode: int) -> float:
-    """Return the frequency of the largest response; pitch over the slope of the wave, which is k L a / L."""
-    size = np.abs(response.motion[:, :, mode]).max(axis=1)
-    return float(response.frequency[np.argmax(size / response.frequency**2 if mode == PITCH else size)])
+def _heave(response: Response) -> float:
+    """Return the frequency at which heave is largest in beam seas."""
+    beam = int(np.argmin(np.abs(response.heading - 0.5 * np.pi)))
+    return float(response.frequency[np.argmax(np.abs(response.motion[:, beam, HEAVE]))])

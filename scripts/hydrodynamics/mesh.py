@@ -85,7 +85,7 @@ class Panels(cpt.Mesh):
 
 
 def _panels(mesh: cpt.Mesh, faces: list[list[list[float]]]) -> Panels:
-    panels: Panels = Panels.from_list_of_faces(
+    found: Panels = Panels.from_list_of_faces(
         faces, faces_metadata=mesh.faces_metadata, name=mesh.name, auto_clean=False, auto_check=False
     )
-    return panels
+    return found
