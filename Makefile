@@ -7,7 +7,7 @@ VENV := .venv/bin
 TEST_TYPES := --allow-untyped-defs --allow-incomplete-defs --allow-untyped-calls --allow-any-generics \
 	--no-warn-return-any --no-warn-unused-ignores --disable-error-code arg-type --disable-error-code misc
 HYDRODYNAMICS := .venv-hydrodynamics
-VESSELS := cybership3
+VESSELS := cybership3 drillship
 LOCK_HYDRODYNAMICS := --quiet --upgrade --no-config --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --group hydrodynamics --custom-compile-command "make lock" --output-file locks/hydrodynamics.txt
 SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh

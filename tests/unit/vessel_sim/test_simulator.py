@@ -223,7 +223,7 @@ def test_thrust_is_lost_to_the_advance_speed() -> None:
     torque = np.array([0.0, 0.0, 0.1, 0.1])
     sim = Simulator(VESSEL, QUIET)
     sim._plant.state[:, AZIMUTH] = [0.5 * math.pi, 0.5 * math.pi, 0.0, 0.0]
-    sail(sim, 6.0, SimulatorInputs(torque, np.zeros(N)))
+    sail(sim, 8.0, SimulatorInputs(torque, np.zeros(N)))
     truth = sim.truth()
     assert truth.velocity[0] > 0.3
     for i in (2, 3):
