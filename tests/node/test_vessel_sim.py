@@ -541,7 +541,20 @@ def test_parameters_change_the_sea_live_and_are_refused_whole(graph: Callable[..
     assert not refused.successful
     assert "expected height over length at most 1/7" in refused.reason
     assert one.sim._simulator.settings.current.speed == 0.0
-    for name, value in (("seed", 3), ("initial.north", 1.0), ("hold", False), ("lockstep", False)):
+    # From the regular waves to an irregular sea in one change, of which no part alone would do.
+    sea = {"waves.kind": "jonswap", "waves.significant_height": 0.06, "waves.peak_period": 0.9, "waves.spreading": 10.0}
+    assert one.sim.set_parameters_atomically([Parameter(name, value=value) for name, value in sea.items()]).successful
+    assert len(one.sim._simulator._waves.components) == 100
+    refused = one.sim.set_parameters_atomically([Parameter("waves.peak_period", value=0.7)])
+    assert not refused.successful
+    assert "expected height over length at the peak at most 1/15" in refused.reason
+    for name, value in (
+        ("seed", 3),
+        ("initial.north", 1.0),
+        ("waves.maker_distance", 2.0),
+        ("hold", False),
+        ("lockstep", False),
+    ):
         assert not one.sim.set_parameters([Parameter(name, value=value)])[0].successful
 
 

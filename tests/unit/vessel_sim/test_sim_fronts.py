@@ -176,6 +176,17 @@ def test_the_same_again_changes_nothing() -> None:
     assert waves.components is before
 
 
+def test_a_change_of_mind_at_one_instant_leaves_no_trace() -> None:
+    waves = Waves(FORM, WaveSettings())
+    settings = WaveSettings(amplitude=0.04, period=1.0, ramp=2.0)
+    waves.apply(settings, 5.0)
+    waves.apply(settings.model_copy(update={"period": 2.0}), 5.0)
+    assert waves.components[:, OMEGA] == pytest.approx([math.pi])
+    waves.apply(settings, 5.0)
+    assert waves.components[:, OMEGA] == pytest.approx([2.0 * math.pi])
+    assert waves.components[:, AMPLITUDE].tolist() == [0.04]
+
+
 # The simulator -------------------------------------------------------------------------------------------------------
 
 

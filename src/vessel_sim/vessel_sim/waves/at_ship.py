@@ -90,14 +90,15 @@ class Waves(Sea):
         kept, reached = self._cut_short(frozenset(changed), time)
         steps = []
         for key in changed:
-            goal = goals.get(key, 0.0)
+            goal = self._targets[key] = goals.get(key, 0.0)
+            if goal == reached.get(key, 0.0):
+                continue  # nothing of the last step has left the maker
             step = rows[key].copy() if key in rows else self._row(key)
             step[AMPLITUDE] = goal - reached.get(key, 0.0)
             step[SLOWNESS] = 2.0 * step[OMEGA] / GRAVITY if self._distance > 0.0 else 0.0
             step[START] = time + self._distance * step[SLOWNESS]
             step[RAMP] = settings.ramp
             steps.append(step)
-            self._targets[key] = goal
         self._take(np.vstack([kept, *steps]))
         self.next_look = time
 
