@@ -190,8 +190,9 @@ def test_runs_without_thrusters_by_name_fit_another_ship() -> None:
         assert load_scenario(path, load_vessel("drillship")).scale == 1.0
 
 
-def test_runs_of_the_thesis_fit_the_full_scale_ship(ship: Vessel) -> None:
+def test_runs_of_the_thesis_fit_the_full_scale_ship() -> None:
     for path in sorted(SCENARIOS.glob("run_*.yaml")):
+        ship = load_vessel(f"{load_scenario(path).vessel}_full_scale")
         assert load_scenario(path, ship).scale == 1.0
 
 
