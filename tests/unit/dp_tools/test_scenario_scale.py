@@ -11,7 +11,7 @@ import pytest
 from dp_tools.figures import compute_figures
 from dp_tools.in_process import ClosedLoop
 from dp_tools.run_data import RunData
-from dp_tools.run_files import RunFolder
+from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario, load_scenario
 from dp_tools.scenario_scale import scaled_scenario
 from marine_model import Vessel, load_vessel
