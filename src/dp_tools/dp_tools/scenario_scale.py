@@ -8,6 +8,8 @@ from typing import Any
 
 from dp_tools.figures import AnyFigure
 from dp_tools.node_settings import default_settings
+from dp_tools.plot_specs import AnyPlot
+from dp_tools.plot_specs.bars import Bars
 from dp_tools.scenario import NodeParameters, Scenario
 from marine_model import Vessel
 from marine_model.froude import FroudeLaw, scaled
@@ -66,6 +68,7 @@ def scaled_scenario(scenario: Scenario, own: Vessel, vessel: Vessel) -> Scenario
             for name, (start, end) in scenario.windows.items()
         },
         figures=tuple(_figure(figure, law) for figure in scenario.figures),
+        plots=tuple(_plot(plot, scenario, law) for plot in scenario.plots),
     )
 
 
@@ -119,6 +122,13 @@ def _figure(figure: AnyFigure, law: FroudeLaw) -> AnyFigure:
     found = {name: getattr(figure, name) for name in ("thesis", "at_most", "at_least")}
     numbers = {name: law.value(value, figure.unit) for name, value in found.items() if value is not None}
     return law.section(figure, **numbers)
+
+
+def _plot(plot: AnyPlot, scenario: Scenario, law: FroudeLaw) -> AnyPlot:
+    if not isinstance(plot, Bars) or plot.level is None:
+        return law.section(plot)
+    unit = next(figure.unit for figure in scenario.figures if figure.name == plot.figures[0])
+    return law.section(plot, level=law.value(plot.level, unit))
 
 
 def _name(text: str) -> str:

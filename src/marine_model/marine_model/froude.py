@@ -67,8 +67,10 @@ class FroudeLaw:
                 raise InputError(f"unit: expected one for all or {len(value)}, found '{unit}'")
             units = parts * len(value) if len(parts) == 1 else parts
             return type(value)([self.value(v, u) for v, u in zip(value, units, strict=True)])
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return value
         factor = self.factor(unit)
-        if isinstance(value, bool) or not isinstance(value, int | float) or factor == 1.0:
+        if factor == 1.0:
             return value
         return float(f"{value * factor:.{_DIGITS}g}")
 
@@ -82,11 +84,13 @@ class FroudeLaw:
         pydantic.ValidationError
             If the section refuses what comes out.
         """
-        values = {
-            name: self._within(getattr(section, name), unit_of(field), f"{type(section).__name__}.{name}")
-            for name, field in type(section).model_fields.items()
-            if name in section.model_fields_set
-        }
+        values = {}
+        for name, field in type(section).model_fields.items():
+            old = getattr(section, name)
+            new = self._within(old, unit_of(field), f"{type(section).__name__}.{name}")
+            # A default that scales is written out.
+            if name in section.model_fields_set or new != old:
+                values[name] = new
         return type(section).model_validate(values | changes)
 
     def _within(self, value: Any, unit: str | None, name: str) -> Any:

@@ -51,19 +51,25 @@ _BASE = {
     "J": Dimension(1, 2, -2),
     "W": Dimension(1, 2, -3),
 }
+_SIGNS = str.maketrans({"²": "^2", "³": "^3"})
+_POWER = re.compile(r"\(([^()]*)\)\^(\d+)")
 _FACTOR = re.compile(r"([A-Za-z%]+|1)(?:\^(-?\d+))?")
 
 
 @cache
 def dimension(unit: str) -> Dimension:
-    """Return the powers of mass, length and time in one unit, such as "N s/m" or "N/(m s)".
+    """Return the powers of mass, length and time in one unit, such as "N s/m", "N/(m s)" or "(N m)^2".
 
     Raises
     ------
     InputError
         If a part of it is not known.
     """
-    above, _, below = unit.partition("/")
+    text = unit.strip().translate(_SIGNS)
+    whole = _POWER.fullmatch(text)
+    if whole is not None:
+        return Dimension(*(int(whole[2]) * power for power in dimension(whole[1])))
+    above, _, below = text.partition("/")
     powers = [0, 0, 0]
     for sign, product in ((1, above), (-1, below.strip().removeprefix("(").removesuffix(")"))):
         for part in product.split():

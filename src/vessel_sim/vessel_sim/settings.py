@@ -28,10 +28,14 @@ class WaveSettings(Settings):
     period: float = setting(1.0, "Regular waves: period seen from a fixed point", unit="s", ge=0.01)
     significant_height: float = setting(0.0, "Irregular sea: significant wave height", unit="m", ge=0.0)
     peak_period: float = setting(1.0, "Irregular sea: period of the spectrum's peak", unit="s", ge=0.01)
-    peakedness: float = setting(3.3, "JONSWAP: gamma, height of the peak over one without", ge=1.0, le=20.0)
+    peakedness: float = setting(3.3, "JONSWAP: gamma, height of the peak over one without", unit="1", ge=1.0, le=20.0)
     components: int = setting(100, "Irregular sea: number of components", ge=1, le=2000)
     spreading: float = setting(
-        0.0, "Irregular sea: s of the spreading function cos^2s(delta/2); 0 is long-crested", ge=0.0, le=1000.0
+        0.0,
+        "Irregular sea: s of the spreading function cos^2s(delta/2); 0 is long-crested",
+        unit="1",
+        ge=0.0,
+        le=1000.0,
     )
     direction: float = setting(
         math.pi,

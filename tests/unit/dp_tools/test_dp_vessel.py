@@ -5,16 +5,19 @@ from __future__ import annotations
 import shlex
 from pathlib import Path
 
+import pytest
+
 from marine_model.load import vessel_names, vessel_path
 from support.dp_here import Dp, dp_here
 
 __all__ = ["dp_here"]
 
 
-def test_full_scale_vessel_is_what_its_command_makes(dp_here: Dp) -> None:
-    shipped = vessel_path("cybership3_full_scale").read_text(encoding="utf-8")
+@pytest.mark.parametrize("model", ["cybership3", "cybership3_trimmed"])
+def test_full_scale_vessel_is_what_its_command_makes(dp_here: Dp, model: str) -> None:
+    shipped = vessel_path(f"{model}_full_scale").read_text(encoding="utf-8")
     first = shipped.splitlines()[0]
-    assert first.startswith("# Made by: dp vessel scale cybership3 30 ")
+    assert first.startswith(f"# Made by: dp vessel scale {model} 30 ")
     code, output = dp_here(*shlex.split(first.removeprefix("# Made by: dp ")))
     assert code == 0
     assert output == shipped

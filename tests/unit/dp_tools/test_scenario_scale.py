@@ -11,7 +11,7 @@ import pytest
 from dp_tools.figures import compute_figures
 from dp_tools.in_process import ClosedLoop
 from dp_tools.run_data import RunData
-from dp_tools.run_files import RunFolder
+from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario, load_scenario
 from dp_tools.scenario_scale import scaled_scenario
 from marine_model import Vessel, load_vessel
@@ -186,12 +186,12 @@ def test_times_go_to_the_samples_of_another_ship(path: Path, model: Vessel, tmp_
 
 
 def test_runs_without_thrusters_by_name_fit_another_ship() -> None:
-    for path in (SCENARIOS / "run_a.yaml", SCENARIOS / "run_b.yaml"):
-        assert load_scenario(path, load_vessel("drillship")).scale == 1.0
+    assert load_scenario(SCENARIOS / "wind_and_current.yaml", load_vessel("drillship")).scale == 1.0
 
 
-def test_runs_of_the_thesis_fit_the_full_scale_ship(ship: Vessel) -> None:
+def test_runs_of_the_thesis_fit_the_full_scale_ship() -> None:
     for path in sorted(SCENARIOS.glob("run_*.yaml")):
+        ship = load_vessel(f"{load_scenario(path).vessel}_full_scale")
         assert load_scenario(path, ship).scale == 1.0
 
 

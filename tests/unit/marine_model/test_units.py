@@ -31,6 +31,8 @@ from marine_model.units import Unit, dimension, numbers_without_unit, parameter_
         ("1/Hz", (0, 0, 1)),
         ("step/rad^2", (0, 0, 0)),
         ("W^2/Hz", (2, 4, -5)),
+        ("W²", (2, 4, -6)),
+        ("(N m)²", (2, 4, -4)),
     ],
 )
 def test_what_a_unit_is_made_of(unit: str, powers: tuple[int, int, int]) -> None:

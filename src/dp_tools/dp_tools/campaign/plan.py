@@ -23,6 +23,7 @@ class RunPlan:
     scenario: Scenario
     seeds: tuple[int, ...]
     folder: Path
+    file: str  # name or path that it was asked for by
 
 
 def plan(
@@ -63,7 +64,7 @@ def plan(
     for file in files:
         scenario = load_scenario(file, vessel)
         own = tuple(seeds) or tuple(range(scenario.seed, scenario.seed + repeat))
-        plans.append(RunPlan(scenario, own, output / scenario.name))
+        plans.append(RunPlan(scenario, own, output / scenario.name, str(file)))
     for what, found in (("scenario", [one.scenario.name for one in plans]), ("seed", list(map(str, seeds)))):
         twice = sorted({one for one in found if found.count(one) > 1})
         if twice:

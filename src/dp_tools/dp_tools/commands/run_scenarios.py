@@ -228,7 +228,8 @@ class Campaign:
 
 
 def _file(one: RunPlan) -> str:
-    return str(one.scenario.path)
+    # One that was scaled to its vessel has no file: it is loaded, and scaled, once more.
+    return str(one.scenario.path or one.file)
 
 
 class Bars:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from dp_tools.figures.base import Measurement, WindowFigure
 from dp_tools.run_data import RunData
 from marine_model import Vessel
 from marine_model.schema import PositiveVector3
+from marine_model.units import Unit
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
@@ -19,7 +20,7 @@ class DeviationTime(WindowFigure):
     """Longest time on end in which the commanded force is off the desired one by more than a tolerance, s."""
 
     kind: Literal["deviation_time"]
-    tolerance: PositiveVector3  # N, N, N m; more than that in any axis counts
+    tolerance: Annotated[PositiveVector3, Unit("N, N, N m")]  # more than that in any axis counts
 
     @property
     def unit(self) -> str:

@@ -16,6 +16,7 @@ from dp_tools.signals import position_error
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from marine_model.schema import Positive
+from marine_model.units import Unit
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
 class _Scaled(FigureSpec):
     """What an excursion is measured by."""
 
-    lengths: Positive  # distance, in lengths of the ship: the same at every scale
-    heading: Positive  # deg
+    lengths: Annotated[Positive, Unit("1")]  # distance, in lengths of the ship: the same at every scale
+    heading: Annotated[Positive, Unit("deg")]
     of: Literal["estimate", "truth"] = "estimate"
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from marine_model import Vessel
 from marine_model.frames import wrap_angles
 from marine_model.guards import FloatArray
 from marine_model.sector import Sector
+from marine_model.units import Unit
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
@@ -30,9 +31,9 @@ class ForbiddenDwell(WindowFigure):
 
     kind: Literal["forbidden_dwell"]
     of: Literal["commanded", "measured"] = "commanded"
-    # deg; how far inside a sector begins to count. A measured direction that rests at the end of a window is inside the
+    # How far inside a sector begins to count. A measured direction that rests at the end of a window is inside the
     # sector beside it half of the time, by noise.
-    margin: float = 0.0
+    margin: Annotated[float, Unit("deg")] = 0.0
 
     @property
     def unit(self) -> str:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from dp_tools.figures.base import ComparedFigure, FigureSpec, Measurement, Shown, WindowFigure
 from dp_tools.figures.samples import mean
@@ -13,6 +13,8 @@ from dp_tools.run_data import RunData, Series
 from dp_tools.signals import total_power
 from dp_tools.spectra import band_energies
 from marine_model.guards import FloatArray
+from marine_model.schema import Positive
+from marine_model.units import Unit
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
@@ -33,8 +35,8 @@ def signal_of(run: RunData, signal: Signal, thruster: str) -> Series:
 class _BandFigure(FigureSpec):
     signal: Signal
     thruster: str = ""  # for motor_torque
-    frequency: float = Field(gt=0.0)  # Hz, middle of the band
-    bandwidth: float = Field(default=0.5, gt=0.0)  # Hz, whole width
+    frequency: Annotated[Positive, Unit("Hz")]  # middle of the band
+    bandwidth: Annotated[Positive, Unit("Hz")] = 0.5  # whole width
 
     @model_validator(mode="after")
     def _one_signal(self) -> Self:

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from dp_tools.plot_specs.base import PlotSpec
+from marine_model.units import Unit
 
 
 class Bars(PlotSpec):
@@ -16,4 +17,4 @@ class Bars(PlotSpec):
     figures: Annotated[tuple[str, ...], Field(strict=False, min_length=2)]  # names
     label: str = ""  # of the axis, with its unit
     logarithmic: bool = False
-    level: float | None = None  # a limit, drawn as a line
+    level: Annotated[float | None, Unit("")] = None  # in the unit of the figures: a limit, drawn as a line
