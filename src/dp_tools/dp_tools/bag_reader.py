@@ -386,6 +386,7 @@ def _documents(attachments: Mapping[str, bytes], vessel_name: str, file: Path) -
         scenario = None
         if SCENARIO_ATTACHMENT in attachments:
             scenario = load_scenario(Path(folder) / SCENARIO_ATTACHMENT, vessel, scale=False)
+            scenario._path = None  # the file is gone with its folder
         return vessel, scenario
 
 

@@ -18,6 +18,7 @@ from marine_model import Vessel, load_vessel
 from marine_model.errors import DocumentError, InputError, UnknownNameError
 from marine_model.named_files import file_names, named_file
 from marine_model.schema import NonNegative, Positive, Section, Vector3
+from marine_model.section_text import section_text
 from marine_model.settings import Settings, read_only_parameters, with_parameters
 from marine_model.units import Unit
 from marine_model.yaml_document import FieldPath, YamlDocument, read_yaml
@@ -190,13 +191,11 @@ def scenario_document(scenario: Scenario) -> bytes:
         If its file cannot be read any more.
     """
     if scenario.path is None:
-        content = scenario.model_dump(mode="json", exclude_none=True)
-    else:
-        content = read_yaml(scenario.path).content
-        moved = content.get("vessel") != scenario.vessel
-        if content.get("seed", 0) == scenario.seed and not moved:
-            return scenario.path.read_bytes()
-        content |= {"seed": scenario.seed, "vessel": scenario.vessel}
+        return section_text(scenario).encode()
+    content = read_yaml(scenario.path).content
+    if (content.get("seed", 0), content.get("vessel")) == (scenario.seed, scenario.vessel):
+        return scenario.path.read_bytes()
+    content |= {"seed": scenario.seed, "vessel": scenario.vessel}
     return yaml.safe_dump(content, sort_keys=False, allow_unicode=True).encode()
 
 

@@ -20,6 +20,7 @@ from dp_tools.campaign.plan import plan
 from dp_tools.campaign.summary import read_summary
 from dp_tools.campaign.workers import RunFailedError, fill_all
 from dp_tools.run_folder import FolderError
+from marine_model import load_vessel
 from marine_model.errors import DocumentError, InputError, UnknownNameError
 from support.dp_command import DpProcess, dp, write_scenario
 from support.dp_here import Dp, dp_here
@@ -58,8 +59,6 @@ def sailed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, int, str]:
 
 def _blind(folder: Path) -> str:
     """Write a vessel whose drivers do not look for ventilation and return its file's name."""
-    from marine_model import load_vessel
-
     content = load_vessel("cybership3").model_dump(mode="json")
     content["drivers"]["ventilation"] = None
     (folder / "blind.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
@@ -203,6 +202,17 @@ def test_what_is_planned(tmp_path: Path) -> None:
     assert {"run_a", "run_b", "run_c"} <= set(names)
     assert all(re.fullmatch("run_[a-z]", name) for name in names)
     assert {one.seeds for one in everything} == {(5, 3)}
+
+
+def test_a_vessel_of_another_scale_sails_the_scaled_scenario(tmp_path: Path) -> None:
+    vessel = load_vessel("cybership3_full_scale")
+    (one,) = plan(["a"], vessel, (), 1, tmp_path, overwrite=False)
+    assert one.scenario.path is None
+    assert one.folder == tmp_path / one.scenario.name
+    sailed, scenario = Order(str(one.file), vessel.name, 5).load()
+    assert sailed.name == vessel.name
+    assert (scenario.name, scenario.seed) == (one.scenario.name, 5)
+    assert scenario.duration == one.scenario.duration > 1000.0
 
 
 def test_what_cannot_be_planned(tmp_path: Path) -> None:

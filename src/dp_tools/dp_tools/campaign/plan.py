@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dp_tools.run_folder import FolderError, RunFolder, make_writable
-from dp_tools.scenario import Scenario, load_scenario, scenario_names
+from dp_tools.scenario import Scenario, load_scenario, scenario_names, scenario_path
 from marine_model import Vessel
 from marine_model.errors import InputError
 
@@ -18,12 +18,15 @@ _RUN = re.compile(r"run_[a-z]")
 
 @dataclass(frozen=True)
 class RunPlan:
-    """One scenario, its seeds (the first one's bag and report are kept), and its folder."""
+    """One scenario, the file it is loaded from, its seeds (bag and report of the first are kept), and its folder.
+
+    For a vessel of another scale the scenario is a scaled one, which no file holds.
+    """
 
     scenario: Scenario
+    file: Path
     seeds: tuple[int, ...]
     folder: Path
-    file: str  # name or path that it was asked for by
 
 
 def plan(
@@ -64,7 +67,7 @@ def plan(
     for file in files:
         scenario = load_scenario(file, vessel)
         own = tuple(seeds) or tuple(range(scenario.seed, scenario.seed + repeat))
-        plans.append(RunPlan(scenario, own, output / scenario.name, str(file)))
+        plans.append(RunPlan(scenario, scenario_path(file).absolute(), own, output / scenario.name))
     for what, found in (("scenario", [one.scenario.name for one in plans]), ("seed", list(map(str, seeds)))):
         twice = sorted({one for one in found if found.count(one) > 1})
         if twice:

@@ -21,7 +21,6 @@ from dp_tools.campaign.summary import SUMMARY_NAME, RunSummary
 from dp_tools.campaign.workers import RunFailedError, fill_all
 from dp_tools.commands.root import console, error_console
 from dp_tools.run_folder import RunFolder
-from dp_tools.scenario import scenario_document
 from marine_model import load_vessel
 from marine_model.errors import DpError
 
@@ -139,7 +138,7 @@ class Campaign:
             for seed in one.seeds:
                 first = seed == one.seeds[0]
                 folder = one.folder if first else None
-                orders.append((one, Order(_file(one), self.vessel, seed, folder, bag and first)))
+                orders.append((one, Order(str(one.file), self.vessel, seed, folder, bag and first)))
         # The longest first: no processor waits for a long one in the end.
         orders.sort(key=lambda item: (item[1].folder is None, -item[0].scenario.duration))
         self._fill(orders)
@@ -159,7 +158,7 @@ class Campaign:
                             self.failures.setdefault(one.scenario.name, []).append((seed, str(error)))
                             continue
                         keep = one.folder if first else None
-                        order = Order(_file(one), self.vessel, seed, keep, recorded=folder.bag, compare=compare)
+                        order = Order(str(one.file), self.vessel, seed, keep, recorded=folder.bag, compare=compare)
                         orders.append((one, order))
             self._fill(orders)
         finally:
@@ -175,9 +174,7 @@ class Campaign:
         folder.prepare(overwrite=True)
         scenario = one.scenario.model_copy(update={"seed": seed})
         if seed != one.scenario.seed:
-            path = folder.path / "scenario.yaml"
-            path.write_bytes(scenario_document(scenario))
-            scenario._path = path
+            scenario._path = None  # its file has another seed
         run = GraphRun(
             folder,
             self.vessel or scenario.vessel,
@@ -225,11 +222,6 @@ class Campaign:
         found = [outcomes[seed] for seed in one.seeds if seed in outcomes]
         failures = sorted(self.failures.get(one.scenario.name, []))
         RunSummary.of(one.scenario, machine(), found, failures).write(one.folder)
-
-
-def _file(one: RunPlan) -> str:
-    # One that was scaled to its vessel has no file: it is loaded, and scaled, once more.
-    return str(one.scenario.path or one.file)
 
 
 class Bars:
