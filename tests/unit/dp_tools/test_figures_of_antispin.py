@@ -78,7 +78,7 @@ def test_a_sine_in_the_middle_of_the_band_has_half_the_square_of_its_amplitude(
     amplitude: float, frequency: float
 ) -> None:
     energies = band_energies(sine(amplitude, frequency, 1500), frequency, 0.5)
-    # Half a step (0.0625 Hz) off the grid four frequencies in the band hold 2 (0.849^2 + 0.170^2) / 1.5 = 0.9994 of it.
+    # Half a step (0.0625 Hz) off the grid the four frequencies in the band hold 0.9994 of it.
     assert energies == pytest.approx(0.5 * amplitude**2, rel=2e-3)
 
 
@@ -263,23 +263,26 @@ def excursion(run: RunData, *integral_crossings: float) -> RunData:
     )
 
 
-def test_lag_of_the_integral_term(run: RunData, vessel: Vessel) -> None:
+def test_when_terms_change_sign(run: RunData, vessel: Vessel) -> None:
     data = excursion(run, 32.0, 25.0, 10.0, 99.0)
-    lag = {"kind": "integral_lag", "axis": "surge"}
-    change = {"kind": "integral_lag_change", "axis": "surge"}
+    sign = {"kind": "sign_change", "axis": "surge", "term": "integral"}
+    shift = {"kind": "sign_change_shift", "axis": "surge", "term": "integral"}
     figures = measured(
         data,
         vessel,
-        *(lag | {"window": window} for window in WINDOWS),
-        change | {"baseline": "first", "compared": "second"},
-        change | {"baseline": ["first", "third"], "compared": "second"},
-        change | {"baseline": "first", "compared": "fourth"},
+        *(sign | {"window": window} for window in WINDOWS),
+        shift | {"baseline": "first", "compared": "second"},
+        shift | {"baseline": ["first", "third"], "compared": "second"},
+        shift | {"baseline": "first", "compared": "fourth"},
+        sign | {"term": "proportional", "window": "second"},
+        shift | {"term": "proportional", "baseline": "first", "compared": "second"},
     )
     values = [figure.value for figure in figures]
-    assert values[:3] == pytest.approx([12.0, 5.0, 0.0])
+    assert values[:3] == pytest.approx([32.0, 25.0, 10.0])
     assert values[3] is None
-    assert values[4:6] == pytest.approx([-7.0, -1.0])
+    assert values[4:6] == pytest.approx([-7.0, 4.0])
     assert values[6] is None
+    assert values[7:] == pytest.approx([20.0, 0.0])
     assert {figure.unit for figure in figures} == {"s"}
 
 
