@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from dp_tools.figures.base import ComparedFigure, FigureSpec, Measurement, Shown, WindowFigure
 from dp_tools.figures.samples import mean
@@ -13,13 +13,16 @@ from dp_tools.run_data import RunData, Series
 from dp_tools.signals import total_power
 from dp_tools.spectra import band_energies
 from marine_model.guards import FloatArray
+from marine_model.schema import Positive
+from marine_model.units import Unit
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
     from marine_model import Vessel
 
 Signal = Literal["total_power", "motor_torque"]
-UNITS: dict[Signal, str] = {"total_power": "W", "motor_torque": "N m"}
+# Of energies.
+UNITS: dict[Signal, str] = {"total_power": "W^2", "motor_torque": "N^2 m^2"}
 
 
 def signal_of(run: RunData, signal: Signal, thruster: str) -> Series:
@@ -33,8 +36,8 @@ def signal_of(run: RunData, signal: Signal, thruster: str) -> Series:
 class _BandFigure(FigureSpec):
     signal: Signal
     thruster: str = ""  # for motor_torque
-    frequency: float = Field(gt=0.0)  # Hz, middle of the band
-    bandwidth: float = Field(default=0.5, gt=0.0)  # Hz, whole width
+    frequency: Annotated[Positive, Unit("Hz")]  # middle of the band
+    bandwidth: Annotated[Positive, Unit("Hz")]  # whole width
 
     @model_validator(mode="after")
     def _one_signal(self) -> Self:
@@ -63,8 +66,7 @@ class SpectralEnergy(_BandFigure, WindowFigure):
     @property
     def unit(self) -> str:
         """Square of the signal's unit."""
-        unit = UNITS[self.signal]
-        return f"({unit})²" if " " in unit else f"{unit}²"
+        return UNITS[self.signal]
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return Welch's estimate."""

@@ -7,6 +7,8 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from dp_tools.plot_specs.base import GroupedPlot
+from marine_model.schema import Positive
+from marine_model.units import Unit
 
 
 class Spectra(GroupedPlot):
@@ -16,9 +18,9 @@ class Spectra(GroupedPlot):
     signal: Literal["total_power", "motor_torque"]
     # For motor_torque, one panel each.
     of: Annotated[tuple[str, ...], Field(strict=False)] = ()
-    segment: float = Field(default=16.0, gt=0.0)  # s, of Welch's method
-    up_to: float = Field(default=5.0, gt=0.0)  # Hz
-    marked: Annotated[tuple[float, ...], Field(strict=False)] = ()  # Hz, thin lines
+    segment: Annotated[Positive, Unit("s")]  # of Welch's method
+    up_to: Annotated[Positive, Unit("Hz")]
+    marked: Annotated[tuple[float, ...], Field(strict=False), Unit("Hz")] = ()  # thin lines
 
     @model_validator(mode="after")
     def _whose(self) -> Self:
