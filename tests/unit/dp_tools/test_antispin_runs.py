@@ -56,5 +56,5 @@ def test_series_of_one_kind_repeat(sailed: Sailed) -> None:
     t = run["power"].t
     means = {name: power[(t >= start) & (t < end)].mean() for name, (start, end) in scenario.windows.items()}
     for kind in ("off", "on"):
-        # Between kinds it is 9 % (Run D) and 1.4 % (Run E); within a kind it is to be far below the first.
+        # With and without differ by 9 % in Run D; series of one kind are to differ by far less.
         assert means[f"{kind}_2"] == pytest.approx(means[f"{kind}_1"], rel=0.02)

@@ -64,6 +64,7 @@ def test_windows_are_laid_over_one_another(series: str, run: RunData, vessel: Ve
 
 
 GROUPS = {"off": ("fixed",), "on": ("rotating",)}
+WELCH = {"segment": 16.0, "up_to": 5.0}
 
 
 @pytest.mark.parametrize(
@@ -87,7 +88,7 @@ GROUPS = {"off": ("fixed",), "on": ("rotating",)}
         ),
         (
             Spectra.model_validate(
-                {"kind": "spectra", "title": "S", "signal": "total_power", "groups": GROUPS, "marked": [1.25]}
+                {"kind": "spectra", "title": "S", "signal": "total_power", "groups": GROUPS, "marked": [1.25]} | WELCH
             ),
             "total power",
         ),
@@ -100,6 +101,7 @@ GROUPS = {"off": ("fixed",), "on": ("rotating",)}
                     "of": ["azimuth_port", "tunnel_bow"],
                     "groups": GROUPS,
                 }
+                | WELCH
             ),
             "motor torque",
         ),
@@ -124,8 +126,12 @@ def test_a_scenario_gets_the_pictures_that_it_asks_for(
 @pytest.mark.parametrize(
     ("kind", "fields", "message"),
     [
-        (Spectra, {"kind": "spectra", "signal": "motor_torque"}, "of: expected thrusters with motor_torque only"),
-        (Spectra, {"kind": "spectra", "signal": "total_power", "of": ["x"]}, "of: expected thrusters"),
+        (
+            Spectra,
+            {"kind": "spectra", "signal": "motor_torque"} | WELCH,
+            "of: expected thrusters with motor_torque only",
+        ),
+        (Spectra, {"kind": "spectra", "signal": "total_power", "of": ["x"]} | WELCH, "of: expected thrusters"),
         (
             OverlayPanels,
             {"kind": "overlay_panels", "panels": [{"series": "total_power", "thruster": "x"}]},

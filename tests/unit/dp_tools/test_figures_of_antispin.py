@@ -15,11 +15,14 @@ from pydantic import ValidationError
 from scipy.signal import welch
 
 from dp_tools.figures import Figure, compute_figures
+from dp_tools.figures.spectrum import SpectralEnergyRatio
+from dp_tools.plot_specs.spectra import Spectra
 from dp_tools.run_data import RunData, Series
-from dp_tools.scenario import Scenario
+from dp_tools.scenario import Scenario, load_scenario
 from dp_tools.spectra import band_energies, spectrum
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
+from support.repository import SCENARIOS
 from support.synthetic_run import synthetic_run
 
 STEP = 0.02  # s, 50 Hz
@@ -78,7 +81,7 @@ def test_a_sine_in_the_middle_of_the_band_has_half_the_square_of_its_amplitude(
     amplitude: float, frequency: float
 ) -> None:
     energies = band_energies(sine(amplitude, frequency, 1500), frequency, 0.5)
-    # Half a step (0.0625 Hz) off the grid four frequencies in the band hold 2 (0.849^2 + 0.170^2) / 1.5 = 0.9994 of it.
+    # Half a step (0.0625 Hz) off the grid the four frequencies in the band hold 0.9994 of it.
     assert energies == pytest.approx(0.5 * amplitude**2, rel=2e-3)
 
 
@@ -129,8 +132,9 @@ def test_energy_at_the_wave_frequency_by_window(run: RunData, vessel: Vessel) ->
     torque = sine(loud, 1.25).values * np.eye(4)[PORT]
     power = sine(loud, 1.25).values * np.array([1.0, 1.0, 0.0, 0.0])  # amplitudes add up to 4.0, 0.8
     data = with_series(run, motor_torque=Series(t, torque), power=Series(t, power))
-    of_power = {"signal": "total_power", "frequency": 1.25}
-    of_torque = {"signal": "motor_torque", "thruster": "azimuth_port", "frequency": 1.25}
+    band = {"frequency": 1.25, "bandwidth": 0.5}
+    of_power = {"signal": "total_power"} | band
+    of_torque = {"signal": "motor_torque", "thruster": "azimuth_port"} | band
     sides = {"baseline": ["first", "third"], "compared": ["second", "fourth"]}
     figures: tuple[Figure, ...] = measured(
         data,
@@ -138,17 +142,17 @@ def test_energy_at_the_wave_frequency_by_window(run: RunData, vessel: Vessel) ->
         {"kind": "spectral_energy", "window": "first"} | of_power,
         {"kind": "spectral_energy", "window": "second"} | of_torque,
         {"kind": "spectral_energy_ratio", "baseline": "first", "compared": "second"} | of_power,
-        {"kind": "spectral_energy_ratio", "bandwidth": 0.25} | sides | of_torque,
+        {"kind": "spectral_energy_ratio"} | sides | of_torque,
     )
     # 60 s are 75 whole periods, so every segment is the same sine.
     assert [figure.value for figure in figures] == pytest.approx([8.0, 0.08, 0.04, 0.04])
-    assert [figure.unit for figure in figures] == ["W²", "(N m)²", "1", "1"]
+    assert [figure.unit for figure in figures] == ["W^2", "N^2 m^2", "1", "1"]
     assert figures[2].low == pytest.approx(0.04)
     assert figures[2].high == pytest.approx(0.04)
 
 
 def test_a_thruster_belongs_to_the_torque_only(run: RunData, vessel: Vessel) -> None:
-    base = {"kind": "spectral_energy", "window": "first", "frequency": 1.25}
+    base = {"kind": "spectral_energy", "window": "first", "frequency": 1.25, "bandwidth": 0.5}
     for wrong in ({"signal": "motor_torque"}, {"signal": "total_power", "thruster": "azimuth_port"}):
         with pytest.raises(ValidationError, match="thruster: expected one with motor_torque only"):
             measured(run, vessel, base | wrong)
@@ -263,23 +267,26 @@ def excursion(run: RunData, *integral_crossings: float) -> RunData:
     )
 
 
-def test_lag_of_the_integral_term(run: RunData, vessel: Vessel) -> None:
+def test_when_terms_change_sign(run: RunData, vessel: Vessel) -> None:
     data = excursion(run, 32.0, 25.0, 10.0, 99.0)
-    lag = {"kind": "integral_lag", "axis": "surge"}
-    change = {"kind": "integral_lag_change", "axis": "surge"}
+    sign = {"kind": "sign_change", "axis": "surge", "term": "integral"}
+    shift = {"kind": "sign_change_shift", "axis": "surge", "term": "integral"}
     figures = measured(
         data,
         vessel,
-        *(lag | {"window": window} for window in WINDOWS),
-        change | {"baseline": "first", "compared": "second"},
-        change | {"baseline": ["first", "third"], "compared": "second"},
-        change | {"baseline": "first", "compared": "fourth"},
+        *(sign | {"window": window} for window in WINDOWS),
+        shift | {"baseline": "first", "compared": "second"},
+        shift | {"baseline": ["first", "third"], "compared": "second"},
+        shift | {"baseline": "first", "compared": "fourth"},
+        sign | {"term": "proportional", "window": "second"},
+        shift | {"term": "proportional", "baseline": "first", "compared": "second"},
     )
     values = [figure.value for figure in figures]
-    assert values[:3] == pytest.approx([12.0, 5.0, 0.0])
+    assert values[:3] == pytest.approx([32.0, 25.0, 10.0])
     assert values[3] is None
-    assert values[4:6] == pytest.approx([-7.0, -1.0])
+    assert values[4:6] == pytest.approx([-7.0, 4.0])
     assert values[6] is None
+    assert values[7:] == pytest.approx([20.0, 0.0])
     assert {figure.unit for figure in figures} == {"s"}
 
 
@@ -299,3 +306,15 @@ def test_levels_of_a_term(run: RunData, vessel: Vessel) -> None:
     assert rms.value == pytest.approx(math.sqrt(0.5 * (16.0 + 4.0)))
     assert of_rms.value == pytest.approx(2.0 / math.sqrt(10.0) - 1.0)
     assert of_largest.value == pytest.approx(2.0 / 3.0 - 1.0)  # mean of 4 and 2
+
+
+def test_a_band_goes_with_the_scale_of_the_vessel() -> None:
+    """1:30 to 1:1: times by sqrt(30), so that the waves of Run D stay in the middle of the band and of its picture."""
+    full = load_scenario(SCENARIOS / "run_d.yaml", load_vessel("cybership3_full_scale"))
+    (ratio,) = (figure for figure in full.figures if figure.name == "energy_power")
+    assert isinstance(ratio, SpectralEnergyRatio)
+    # The clock of the full scale is 5e-9 slow: its time step is whole nanoseconds.
+    assert (ratio.frequency, ratio.bandwidth) == pytest.approx((1.25 / math.sqrt(30.0), 0.25 / math.sqrt(30.0)))
+    picture = next(plot for plot in full.plots if isinstance(plot, Spectra))
+    assert picture.segment == pytest.approx(16.0 * math.sqrt(30.0))
+    assert (picture.up_to, *picture.marked) == pytest.approx(tuple(f / math.sqrt(30.0) for f in (5.0, 1.25, 2.5)))

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
 
 Term = Literal["proportional", "integral", "derivative"]
+Changing = Literal["proportional", "integral"]
 
 
 class ControlTermLevel(WindowFigure):
@@ -58,14 +59,15 @@ class ControlTermChange(ComparedFigure):
         return Measurement(float(on / off) - 1.0)
 
 
-class IntegralLag(WindowFigure):
-    """Time by which the integral term changes sign after the proportional one, s.
+class SignChange(WindowFigure):
+    """When a term changes sign into the largest excursion of the proportional term in a window, s since its start.
 
-    Looked at is the largest excursion of the proportional term in the window: when it began, and when the integral term
-    came to the same side. 0 if it was there already.
+    For the proportional term that is where the excursion begins; for the integral term, when it comes to the same side,
+    be it before or after.
     """
 
-    kind: Literal["integral_lag"]
+    kind: Literal["sign_change"]
+    term: Changing
     axis: Axis
 
     @property
@@ -74,16 +76,17 @@ class IntegralLag(WindowFigure):
         return "s"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
-        """Return the time; None if the integral term did not change sign within the window."""
-        return Measurement(_lag(run, scenario, self.window, AXES.index(self.axis)))
+        """Return the time; None if the integral term did not come to that side within the window."""
+        return Measurement(_sign_change(run, scenario, self.window, self.term, AXES.index(self.axis)))
 
 
-class IntegralLagChange(ComparedFigure):
-    """Lag of the integral term in one window less that in another, s; several windows on a side are averaged."""
+class SignChangeShift(ComparedFigure):
+    """That of one window less that of another, s; several windows on a side are averaged."""
 
     shown: ClassVar[Shown] = "quantity"
 
-    kind: Literal["integral_lag_change"]
+    kind: Literal["sign_change_shift"]
+    term: Changing
     axis: Axis
 
     @property
@@ -92,25 +95,32 @@ class IntegralLagChange(ComparedFigure):
         return "s"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
-        """Return the difference; None if a lag is missing."""
+        """Return the difference; None if a time is missing."""
         sides = []
         for windows in (self.baseline, self.compared):
-            lags = [_lag(run, scenario, window, AXES.index(self.axis)) for window in windows]
-            known = [lag for lag in lags if lag is not None]
-            if len(known) < len(lags):
+            times = [_sign_change(run, scenario, window, self.term, AXES.index(self.axis)) for window in windows]
+            known = [time for time in times if time is not None]
+            if len(known) < len(times):
                 return Measurement(None)
             sides.append(sum(known) / len(known))
         return Measurement(sides[1] - sides[0])
 
 
-def _lag(run: RunData, scenario: Scenario, window: str, index: int) -> float | None:
+def _sign_change(run: RunData, scenario: Scenario, window: str, term: Changing, index: int) -> float | None:
     span = scenario.windows[window]
-    proportional, integral = (run[name].window(*span) for name in ("proportional", "integral"))
+    proportional = run["proportional"].window(*span)
     p = proportional.values[:, index]
     peak = int(np.argmax(np.abs(p)))
     side = float(np.sign(p[peak]))
-    other_side = np.flatnonzero(side * p[:peak] <= 0.0)
-    begin = float(proportional.t[other_side[-1] + 1]) if len(other_side) else span[0]
-    after = integral.t >= begin - 5e-7  # stamps are whole nanoseconds
-    there = np.flatnonzero(after & (side * integral.values[:, index] >= 0.0))
-    return float(integral.t[there[0]]) - begin if len(there) else None
+    if term == "proportional":
+        changing, last = proportional, peak
+    else:
+        # Where it is on that side for the last time: from there backwards.
+        changing = run["integral"].window(*span)
+        there = np.flatnonzero(side * changing.values[:, index] > 0.0)
+        if len(there) == 0:
+            return None
+        last = int(there[-1])
+    other_side = np.flatnonzero(side * changing.values[:last, index] <= 0.0)
+    first = int(other_side[-1]) + 1 if len(other_side) else 0
+    return round(float(changing.t[first]) - span[0], 9)  # stamps are whole nanoseconds

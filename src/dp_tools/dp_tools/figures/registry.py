@@ -8,7 +8,7 @@ from pydantic import Field
 
 from dp_tools.figures.attainable import AttainableSamples, GainLevel, LowGainSamples
 from dp_tools.figures.auto_mode import PerformanceLevel, TimeToMode
-from dp_tools.figures.control import ControlTermChange, ControlTermLevel, IntegralLag, IntegralLagChange
+from dp_tools.figures.control import ControlTermChange, ControlTermLevel, SignChange, SignChangeShift
 from dp_tools.figures.deviation import DeviationTime, ThrustStep
 from dp_tools.figures.excursion import Badness, Excursion, RankAgreement
 from dp_tools.figures.force import ForceDeviation, ForceJump, ForceLevel, ForceLevelChange, ForceMet, ForceTracking
@@ -44,8 +44,8 @@ AnyFigure = Annotated[
     | ForceJump
     | ControlTermLevel
     | ControlTermChange
-    | IntegralLag
-    | IntegralLagChange
+    | SignChange
+    | SignChangeShift
     | ForceMet
     | TimeToDemand
     | AzimuthStep

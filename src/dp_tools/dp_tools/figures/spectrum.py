@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from marine_model import Vessel
 
 Signal = Literal["total_power", "motor_torque"]
-UNITS: dict[Signal, str] = {"total_power": "W", "motor_torque": "N m"}
+# Of energies.
+UNITS: dict[Signal, str] = {"total_power": "W^2", "motor_torque": "N^2 m^2"}
 
 
 def signal_of(run: RunData, signal: Signal, thruster: str) -> Series:
@@ -36,7 +37,7 @@ class _BandFigure(FigureSpec):
     signal: Signal
     thruster: str = ""  # for motor_torque
     frequency: Annotated[Positive, Unit("Hz")]  # middle of the band
-    bandwidth: Annotated[Positive, Unit("Hz")] = 0.5  # whole width
+    bandwidth: Annotated[Positive, Unit("Hz")]  # whole width
 
     @model_validator(mode="after")
     def _one_signal(self) -> Self:
@@ -65,8 +66,7 @@ class SpectralEnergy(_BandFigure, WindowFigure):
     @property
     def unit(self) -> str:
         """Square of the signal's unit."""
-        unit = UNITS[self.signal]
-        return f"({unit})²" if " " in unit else f"{unit}²"
+        return UNITS[self.signal]
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return Welch's estimate."""

@@ -18,8 +18,8 @@ class Spectra(GroupedPlot):
     signal: Literal["total_power", "motor_torque"]
     # For motor_torque, one panel each.
     of: Annotated[tuple[str, ...], Field(strict=False)] = ()
-    segment: Annotated[Positive, Unit("s")] = 16.0  # of Welch's method
-    up_to: Annotated[Positive, Unit("Hz")] = 5.0
+    segment: Annotated[Positive, Unit("s")]  # of Welch's method
+    up_to: Annotated[Positive, Unit("Hz")]
     marked: Annotated[tuple[float, ...], Field(strict=False), Unit("Hz")] = ()  # thin lines
 
     @model_validator(mode="after")

@@ -42,6 +42,8 @@ class Panels:
         Names of the windows that are shaded.
     own_legends
         True for a legend above every panel, False for one above all.
+    right
+        Margin at the right, inch; a second axis there needs more than the usual one.
     """
 
     def __init__(
@@ -52,8 +54,10 @@ class Panels:
         height: float = 1.5,
         marked: Sequence[str] = (),
         own_legends: bool = False,
+        right: float = _RIGHT,
     ) -> None:
         self.span = span
+        self._right = right
         shown = [e for e in scenario.events if e.label and span[0] <= e.at < span[1]]
         self._slanted = len(shown) > _LEVEL_LABELS
         count = len(labels)
@@ -64,7 +68,7 @@ class Panels:
         self.figure = Figure(figsize=(WIDTH, total))
         grid = {
             "left": _LEFT / WIDTH,
-            "right": 1.0 - _RIGHT / WIDTH,
+            "right": 1.0 - right / WIDTH,
             "bottom": _BOTTOM / total,
             "top": 1.0 - top / total,
             "hspace": gap / height,
@@ -76,7 +80,7 @@ class Panels:
             axis.set_ylabel(label)
             # From the left edge inwards, so that labels of one and of two lines both fit.
             axis.yaxis.label.set_verticalalignment("top")
-            axis.yaxis.set_label_coords(-(_LEFT - 0.04) / (WIDTH - _LEFT - _RIGHT), 0.5)
+            axis.yaxis.set_label_coords(-(_LEFT - 0.04) / (WIDTH - _LEFT - right), 0.5)
             axis.set_xlim(*span)
             self._mark(axis, scenario, marked)
         self.axes[-1].set_xlabel("time (s)")
@@ -195,7 +199,7 @@ class Panels:
             handles=list(handles.values()),
             labels=list(handles),
             loc="upper right",
-            bbox_to_anchor=(1.0 - _RIGHT / WIDTH, 1.0 - 0.06 / self.figure.get_figheight()),
+            bbox_to_anchor=(1.0 - self._right / WIDTH, 1.0 - 0.06 / self.figure.get_figheight()),
             ncols=len(handles),
         )
 

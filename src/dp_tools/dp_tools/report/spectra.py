@@ -12,14 +12,16 @@ from dp_tools.report.panels import WIDTH, svg_uri
 from dp_tools.report.scene import Scene
 from dp_tools.spectra import spectrum
 
-# Unit of the density, and factor to it: torques of a model are mN m.
-_UNITS = {"total_power": ("W²/Hz", 1.0), "motor_torque": ("(mN m)²/Hz", 1e6)}
+# Unit of the density, and factor to it.
+_UNITS = {"W": ("W²/Hz", 1.0), "N m": ("(N m)²/Hz", 1.0), "mN m": ("(mN m)²/Hz", 1e6)}
+# Below this torque, N m, all are those of a model.
+_MODEL_TORQUE = 1.0
 
 
 def spectra(scene: Scene, spec: Spectra) -> tuple[str, str]:
     """Draw the power spectral density of every window."""
     thrusters = spec.of or ("",)
-    unit, scale = _UNITS[spec.signal]
+    unit, scale = _UNITS[_shown_in(scene, spec)]
     figure = Canvas(figsize=(WIDTH, 1.0 + 2.0 * len(thrusters)), layout="constrained")
     axes = np.atleast_1d(figure.subplots(len(thrusters), 1, sharex=True)).tolist()
     for axis, thruster in zip(axes, thrusters, strict=True):
@@ -43,3 +45,9 @@ def spectra(scene: Scene, spec: Spectra) -> tuple[str, str]:
     return svg_uri(
         figure
     ), f"Power spectrum of {spec.signal.replace('_', ' ')} in the windows of {', '.join(spec.groups)}"
+
+
+def _shown_in(scene: Scene, spec: Spectra) -> str:
+    if spec.signal == "total_power":
+        return "W"
+    return "mN m" if float(np.abs(scene.run["motor_torque"].values).max()) < _MODEL_TORQUE else "N m"

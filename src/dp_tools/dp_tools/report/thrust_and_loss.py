@@ -6,11 +6,15 @@ import numpy as np
 
 from dp_tools.plot_specs.thrust_and_loss import ThrustAndLoss
 from dp_tools.report import style
+from dp_tools.report.panels import Panels
 from dp_tools.report.scene import Scene
 from dp_tools.report.thinning import thin
 from dp_tools.run_data import Series
 from dp_tools.scenario import Scenario
 
+_RIGHT = 0.5  # inch, margin for the numbers of the second axis
+# A panel shows at least this much, N: a thruster at rest should look at rest.
+_THRUST_HEIGHT = 0.5
 _NODE, _SWITCH = "thrust_allocator", "antispin.enabled"
 
 
@@ -18,10 +22,12 @@ def thrust_and_loss(scene: Scene, spec: ThrustAndLoss) -> tuple[str, str]:
     """Draw commanded thrusts (left) and what the drivers remember of losses (right)."""
     run = scene.run
     span = scene.scenario.windows[spec.window] if spec.window else scene.whole
-    panels = scene.panels(tuple(f"{name.replace('_', ' ')}\n(N)" for name in run.thrusters), span, height=1.4)
+    labels = tuple(f"{name.replace('_', ' ')}\n(N)" for name in run.thrusters)
+    panels = Panels(labels, scene.scenario, span, 1.4, scene.measured_windows, right=_RIGHT)
     command, losses = run["thrust_command"], run["beta_q2"]
     for j, axis in enumerate(panels.axes):
         panels.draw(j, command.t, command.values[:, j], "commanded thrust (left)", style.COMMANDED, linewidth=0.9)
+        panels.at_least(j, _THRUST_HEIGHT)
         second, label, color = losses, "β_Q2 (right)", style.DESIRED
         if j == 0:
             second, label, color = (
@@ -36,6 +42,7 @@ def thrust_and_loss(scene: Scene, spec: ThrustAndLoss) -> tuple[str, str]:
         right = axis.twinx()
         right.grid(visible=False)
         right.set_ylim(0.0, 1.1)
+        right.set_yticks([0.0, 0.5, 1.0])
         right.set_xlim(*span)
         style_of = "steps-post" if j == 0 else "default"
         (line,) = right.plot(*thin(second.t[inside], values[inside]), color=color, linewidth=1.0, drawstyle=style_of)
