@@ -17,3 +17,7 @@ class Bars(PlotSpec):
     label: str = ""  # of the axis, with its unit
     logarithmic: bool = False
     level: float | None = None  # a limit, drawn as a line
+
+    def figure_names(self) -> tuple[str, ...]:
+        """Return the figures."""
+        return self.figures
