@@ -442,6 +442,37 @@ def test_measured_power_corrects_the_prediction(start: Any) -> None:
     assert f"power limited ({status.power_stage})" in health["message"]
 
 
+def direction_feedback(stamp: int, azimuth: list[float]) -> ThrusterFeedback:
+    message = ThrusterFeedback(name=NAMES, azimuth=azimuth, power=[0.0] * len(NAMES))
+    message.header.stamp = from_nanoseconds(stamp)
+    return message
+
+
+def test_a_lost_azimuth_drive_is_allocated_where_the_feedback_sees_it(start: Any) -> None:
+    """Heard of while the node runs; in lockstep a demand waits for the feedback of the time step before it."""
+    bench = start(azimuth_mode="rotating", synchronous=True)
+    settings = AllocatorSettings.for_vessel(VESSEL, azimuth_mode="rotating")
+    expected = Allocator(VESSEL, settings)
+    assert_tells(bench.ask(START, HARD)[2], expected.step(HARD, 0.2))
+    stuck = [True, True, False, True]
+    assert bench.bench.set_parameters(azimuth_enabled=stuck).successful
+    feedback = bench.bench.publisher(ThrusterFeedback, "thruster_feedback")  # waits until the node listens
+    expected.apply(with_parameters(settings, {"azimuth_enabled": stuck}))
+    bench.send(START + STEP, HARD)
+    bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the demand to be held")
+    assert bench.bench.diagnostics()["message"].startswith("tau_desired waits for the directions of thruster_feedback")
+    feedback.publish(direction_feedback(START + STEP - TICK, [0.0, 0.0, 2.5, 0.0]))
+    bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
+    expected.measure_azimuth([0.0, 0.0, 2.5, 0.0])
+    result = expected.step(HARD, 0.2)
+    assert_tells(bench.statuses[-1], result)
+    np.testing.assert_array_equal(bench.commands[-1].azimuth, result.azimuth)
+    blind = Allocator(VESSEL, settings)
+    blind.step(HARD, 0.2)
+    blind.apply(with_parameters(settings, {"azimuth_enabled": stuck}))
+    assert blind.step(HARD, 0.2).azimuth[2] != result.azimuth[2]
+
+
 def test_lockstep_waits_for_the_power_before_a_demand_and_for_no_other(start: Any) -> None:
     bench = start(azimuth_mode="rotating", synchronous=True, power__limit="total", power__available=2.0)
     feedback = bench.bench.publisher(ThrusterFeedback, "thruster_feedback")

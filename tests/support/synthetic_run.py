@@ -66,6 +66,7 @@ def synthetic_run(vessel: Vessel, duration: float = 380.0, seed: int = 0) -> Run
         "allocation_cost": np.ones((len(t), 1)),
         "minimum_gain": np.full((len(t), 1), 0.8),
         "minimum_gain_both_ways": np.full((len(t), 1), 1.1),
+        "performance_measure": 1.5 + 0.3 * slow[:, :1],
         "sub_problem": np.zeros((len(t), 1)),
         "rotating": np.repeat((t >= SWITCH)[:, None], n, axis=1) * np.array([0.0, *[1.0] * (n - 1)]),
         "thrust_command": thrust,

@@ -61,7 +61,8 @@ def test_graph_equals_the_loop_without_middleware(bags: dict[str, Path], how: st
 
 
 # Sectors, limits of power with measured power, and thrusters held or rotating by the demand: each switched on while
-# the ring turns. The allocator begins to listen to thruster_feedback in the middle of the run.
+# the ring turns; at last a motor and an azimuth motor fail. The allocator begins to listen to thruster_feedback in the
+# middle of the run.
 SWITCHED_ON = [
     {"at": 0.0, "setpoint": [0.0, 0.0, 0.0]},
     {"at": 1.0, "setpoint": [0.6, 0.4, 0.3]},
@@ -84,6 +85,26 @@ SWITCHED_ON = [
             "thrust_allocator": {"azimuth_mode": "auto", "auto.force_limit": 8.0, "auto.hysteresis": 0.5}
             | {"auto.dwell_time": 0.5, "auto.filter_frequency": 1.0, "power.limit": "none", "feather_time": 1.0}
             | {"thruster_enabled": [True, True, True, True]}
+        },
+    },
+    {
+        "at": 11.0,
+        "setpoint": [0.6, 0.4, 0.3],
+        "parameters": {
+            "vessel_sim": {
+                "propulsion.failed": [True, False, False, False],
+                "propulsion.azimuth_failed": [False, False, True, False],
+            },
+            "thrust_allocator": {"azimuth_mode": "rotating"},
+        },
+    },
+    {
+        "at": 12.0,
+        "parameters": {
+            "thrust_allocator": {
+                "thruster_enabled": [False, True, True, True],
+                "azimuth_enabled": [True, True, False, True],
+            }
         },
     },
 ]

@@ -274,6 +274,10 @@ def _figure_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[Field
         if figure.name in seen:
             yield ("figures", i, "name"), f"every name must be unique, found '{figure.name}' twice"
         seen.add(figure.name)
+    for i, plot in enumerate(scenario.plots):
+        for name in plot.figure_names():
+            if name not in seen:
+                yield ("plots", i, "figures"), f"expected a name out of figures, found '{name}'"
     for name, asked in (("figures", scenario.figures), ("plots", scenario.plots)):
         for i, one in enumerate(asked):
             for field, thruster in one.thrusters():

@@ -18,3 +18,7 @@ class Bars(PlotSpec):
     label: str = ""  # of the axis, with its unit
     logarithmic: bool = False
     level: Annotated[float | None, Unit("")] = None  # in the unit of the figures: a limit, drawn as a line
+
+    def figure_names(self) -> tuple[str, ...]:
+        """Return the figures."""
+        return self.figures

@@ -20,6 +20,10 @@ class PlotSpec(Section):
         """Return (field, window name) of every window that this needs."""
         return ()
 
+    def figure_names(self) -> tuple[str, ...]:
+        """Return the names of the figures that this shows."""
+        return ()
+
     def thrusters(self) -> tuple[tuple[str, str], ...]:
         """Return (field, thruster name) of every thruster that this needs."""
         return ()

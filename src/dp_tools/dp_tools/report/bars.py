@@ -9,21 +9,11 @@ from dp_tools.plot_specs.bars import Bars
 from dp_tools.report import style
 from dp_tools.report.panels import WIDTH, svg_uri
 from dp_tools.report.scene import Scene
-from marine_model.errors import InputError
 
 
 def bars(scene: Scene, spec: Bars) -> tuple[str, str]:
-    """Draw the figures named side by side.
-
-    Raises
-    ------
-    InputError
-        If the scenario has no figure of a name.
-    """
+    """Draw the figures named side by side."""
     known = {figure.name: figure for figure in scene.scenario.figures}
-    missing = [name for name in spec.figures if name not in known]
-    if missing:
-        raise InputError(f"plots: figures: expected names out of {', '.join(known)}, found '{missing[0]}'")
     asked = scene.scenario.model_copy(update={"figures": tuple(known[name] for name in spec.figures)})
     found = compute_figures(scene.run, asked, scene.vessel)
     figure = Canvas(figsize=(WIDTH, 2.9), layout="constrained")
