@@ -27,10 +27,15 @@ def started() -> Allocator:
     return allocator
 
 
+def commanded_starboard(allocator: Allocator) -> float:
+    assert allocator.answer is not None
+    return float(allocator.answer.commands[3, 1])
+
+
 def test_the_command_goes_to_where_it_sticks_at_the_rate_of_the_drive_and_stays() -> None:
     allocator = started()
     allocator.apply(with_parameters(SETTINGS, STUCK))
-    commanded = float(allocator.answer.commands[3, 1])
+    commanded = commanded_starboard(allocator)
     sticks = commanded + 2.5 * STEP
     found = []
     for _ in range(5):
@@ -53,7 +58,7 @@ def test_it_takes_the_shorter_way() -> None:
 def test_without_a_measurement_it_counts_as_where_it_was_commanded_to() -> None:
     allocator = started()
     allocator.apply(with_parameters(SETTINGS, STUCK))
-    commanded = float(allocator.answer.commands[3, 1])
+    commanded = commanded_starboard(allocator)
     assert [float(allocator.step(DEMAND, DT).azimuth[3]) for _ in range(3)] == [commanded] * 3
 
 
@@ -68,7 +73,7 @@ def test_a_measurement_has_no_say_over_thrusters_that_turn_and_is_forgotten_with
     told.apply(SETTINGS)
     told.step(DEMAND, DT)
     told.apply(with_parameters(SETTINGS, STUCK))
-    commanded = float(told.answer.commands[3, 1])
+    commanded = commanded_starboard(told)
     assert float(told.step(DEMAND, DT).azimuth[3]) == commanded
 
 

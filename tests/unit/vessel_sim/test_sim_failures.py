@@ -9,7 +9,9 @@ import pytest
 
 from marine_model import load_vessel
 from marine_model.errors import InputError
+from marine_model.propellers.sections import BollardData
 from marine_model.settings import parameters_of, with_parameters
+from marine_model.thruster import AzimuthThruster
 from vessel_sim import Simulator, SimulatorInputs, SimulatorSettings
 from vessel_sim.propulsion import PropulsionPlant, columns
 
@@ -57,6 +59,7 @@ def test_a_failed_propeller_windmills() -> None:
     # It turns at the advance number at which it takes no torque, (3.6), and drags.
     for i, thruster in enumerate(VESSEL.thrusters):
         propeller = thruster.propeller
+        assert isinstance(propeller, BollardData)
         no_torque = -propeller.torque_coefficient / propeller.torque_slope
         speed = 0.5 / (no_torque * propeller.diameter)
         assert column(plant, columns.SHAFT_SPEED)[i] == pytest.approx(
@@ -75,8 +78,9 @@ def test_a_failed_azimuth_motor_comes_to_rest_within_its_time_constant_and_stays
     for _ in range(100):
         plant.step(STILL, rate, None, STILL, DEEP, H)
     turned = column(plant, columns.AZIMUTH) - before
-    drive = VESSEL.thrusters[2].azimuth_drive
-    assert turned[2] == pytest.approx(1.0 * drive.time_constant, rel=1e-6)  # 2 s are 40 time constants
+    port = VESSEL.thrusters[2]
+    assert isinstance(port, AzimuthThruster)
+    assert turned[2] == pytest.approx(1.0 * port.azimuth_drive.time_constant, rel=1e-6)  # 2 s are 40 time constants
     assert turned[[1, 3]] == pytest.approx([2.0, 2.0], rel=1e-6)
     plant.fail((), (False,) * N)
     for _ in range(100):
