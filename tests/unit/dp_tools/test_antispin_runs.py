@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pytest
 
 from dp_tools.figures import Figure, compute_figures
@@ -43,7 +46,8 @@ def test_the_run_is_that_of_the_thesis(sailed: Sailed) -> None:
     assert allocator["cost"] == "power_3_2"
     assert allocator["azimuth_enabled"] == [True, True, False, False]
     aft = run["azimuth_command"].values[:, 2:]
-    assert (aft == aft[0]).all()
+    # An azimuth that is out is commanded where it is measured; its drive follows the noise, by up to 0.06 rad.
+    assert np.abs(aft - [math.pi / 4, -math.pi / 4]).max() < 0.1
     assert run.labels["allocation_status"].words == ("optimal",)
     assert run.labels["controller_status"].words == ("nominal",)
 
