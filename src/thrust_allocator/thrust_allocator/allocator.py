@@ -335,6 +335,8 @@ class Allocator:
         """Return the commands of the step before, with lost azimuth drives where they were measured.
 
         The command goes there no faster than the drive could turn, so that it keeps to the limits of every command.
+        Within the threshold of (B.38), below which a drive may be off or its sensor noisy, it stays: a sound drive
+        that is held would follow the noise else.
         """
         if self._direction is None or not len(self._stuck):
             return self._before
@@ -343,6 +345,8 @@ class Allocator:
             reach = float(self._vessel.azimuth_rate[j]) * dt
             commanded = float(before[j, Command.AZIMUTH])
             rest = wrap_angle(float(self._direction[j]) - commanded)
+            if abs(rest) <= self._vessel.drivers.azimuth.threshold:
+                continue
             before[j, Command.AZIMUTH] = wrap_angle(commanded + min(max(rest, -reach), reach))
         return before
 

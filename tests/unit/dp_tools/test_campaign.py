@@ -105,6 +105,9 @@ def test_the_table_says_what_is_to_be_said(sailed: tuple[Path, int, str]) -> Non
     assert "made up" in page
     links = set(re.findall(r'(?:href|src)="([^"#]+)"', page))
     assert links == {"first/report.html", "second/report.html"}
+    rows = [line for line in (folder / "index.md").read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
+    assert all(row.count(" | ") == 5 for row in rows)
+    assert sum("differs (no reason given)" in row for row in rows) == output.count("differs (no reason given)")
 
 
 def test_the_same_seed_gives_the_same_run_to_the_bit(sailed: tuple[Path, int, str], dp_here: Dp) -> None:

@@ -55,6 +55,17 @@ def test_it_takes_the_shorter_way() -> None:
     assert float(allocator.step(DEMAND, DT).azimuth[3]) == pytest.approx(-3.1)
 
 
+def test_noise_about_where_it_was_commanded_to_moves_no_command() -> None:
+    """A sound drive that is held follows its command: one that followed the measurement would walk away with it."""
+    allocator = started()
+    allocator.apply(with_parameters(SETTINGS, STUCK))
+    commanded = commanded_starboard(allocator)
+    within = 0.9 * VESSEL.drivers.azimuth.threshold
+    for off in (within, -within, within):
+        allocator.measure_azimuth([0.0, 0.0, 0.0, commanded + off])
+        assert float(allocator.step(DEMAND, DT).azimuth[3]) == commanded
+
+
 def test_without_a_measurement_it_counts_as_where_it_was_commanded_to() -> None:
     allocator = started()
     allocator.apply(with_parameters(SETTINGS, STUCK))

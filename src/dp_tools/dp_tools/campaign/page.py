@@ -14,11 +14,12 @@ from dp_tools.campaign.index import (
     index_versions,
     write_index_data,
 )
+from dp_tools.campaign.markdown import INDEX_TEXT_NAME, write_index_text
 from dp_tools.report.template import fill_in
 
 
 def write_index(folder: Path, entries: Sequence[Entry]) -> Path:
-    """Write index.html and index.json into ``folder`` and return the path of the page.
+    """Write index.html, index.md and index.json into ``folder`` and return the path of the page.
 
     Raises
     ------
@@ -27,6 +28,7 @@ def write_index(folder: Path, entries: Sequence[Entry]) -> Path:
     """
     folder.mkdir(parents=True, exist_ok=True)
     write_index_data(folder / INDEX_DATA_NAME, entries)
+    write_index_text(folder / INDEX_TEXT_NAME, entries)
     path = folder / INDEX_NAME
     path.write_text(render(entries), encoding="utf-8")
     return path
