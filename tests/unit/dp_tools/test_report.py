@@ -93,7 +93,7 @@ def test_every_link_has_its_target(page: str) -> None:
         assert f'id="{reference.removeprefix("#")}"' in page
 
 
-def test_pictures_are_those_of_the_thesis(page: str) -> None:
+def test_pictures_are_those_of_the_thesis(page: str, scenario: Scenario) -> None:
     text = Page(page).text
     for title in (
         "Position and heading",
@@ -106,8 +106,8 @@ def test_pictures_are_those_of_the_thesis(page: str) -> None:
         "The switch from fixed to rotating thrusters",
     ):
         assert title in text
-    # Nine of the whole run, five of the close-up.
-    assert len(Page(page).images) == 14
+    # Nine of the whole run, five of the close-up, and those that the scenario asks for.
+    assert len(Page(page).images) == 14 + len(scenario.plots)
 
 
 def test_pictures_are_drawings_without_outside_references(page: str) -> None:
@@ -143,7 +143,8 @@ def test_quantities_are_told_in_the_reader_s_units(
         {"name": "deviation", "kind": "force_deviation", "title": "Deviation", "window": "all", "axis": "surge"}
         | {"at_most": 0.05},
     ]
-    changed = scenario.model_dump(mode="json") | {"figures": figures, "close_ups": [], "windows": {"all": [0.0, 100.0]}}
+    changed = scenario.model_dump(mode="json") | {"figures": figures, "close_ups": [], "plots": []}
+    changed["windows"] = {"all": [0.0, 100.0]}
     page = write_report(run, Scenario.model_validate(changed), vessel, tmp_path).read_text(encoding="utf-8")
     text = Page(page).text
     assert "10.0 %" in text  # one second in ten
