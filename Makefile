@@ -22,7 +22,7 @@ demo: setup ## set up, sail Run A, leave runs/run_a/bag and runs/run_a/report.ht
 	$(VENV)/dp up --scenario run_a --lockstep --record --report --overwrite
 
 # Runs in process over SEEDS seeds each; with GRAPH=1 once each on the lockstep graph, compared with in process.
-SEEDS := 8
+SEEDS := 4
 RUNS := $(if $(GRAPH),--compare,--inprocess --repeat $(SEEDS))
 
 runs: setup ## set up, sail every run of the thesis (GRAPH=1: on the graph), leave runs/index.html
