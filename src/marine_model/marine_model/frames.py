@@ -23,13 +23,13 @@ def wrap_angle(angle: float) -> float:
     """Return ``angle`` (rad) wrapped to [-pi, pi)."""
     wrapped = (angle + math.pi) % _TWO_PI - math.pi
     # The sum rounds up to exactly 2 pi for tiny negative remainders.
-    return wrapped if wrapped < math.pi else -math.pi
+    return -math.pi if wrapped >= math.pi else wrapped
 
 
 def wrap_angles(angles: FloatArray) -> FloatArray:
     """Return ``angles`` (rad, any shape) wrapped to [-pi, pi), elementwise."""
     wrapped = np.mod(angles + math.pi, _TWO_PI) - math.pi
-    return np.where(wrapped < math.pi, wrapped, -math.pi)
+    return np.where(wrapped >= math.pi, -math.pi, wrapped)
 
 
 def rotation(heading: float) -> FloatArray:

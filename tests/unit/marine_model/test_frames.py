@@ -38,6 +38,11 @@ def test_edges(angle: float, wrapped: float) -> None:
     assert wrap_angle(math.nextafter(-math.pi, -10.0)) < math.pi
 
 
+def test_what_is_no_angle_stays_none() -> None:
+    assert math.isnan(wrap_angle(math.nan))
+    np.testing.assert_array_equal(wrap_angles(np.array([math.nan, 4.0 * math.pi])), [math.nan, 0.0])
+
+
 def test_rotation_turns_ahead_into_the_heading() -> None:
     """Heading east: ahead is east, starboard is south."""
     turn = rotation(math.pi / 2)
