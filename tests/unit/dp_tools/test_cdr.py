@@ -77,7 +77,7 @@ def test_bytes_are_those_of_rosbags(types: Any, word: str, names: Any, many: Any
 
 
 def test_messages_are_sorted_by_lengths_and_by_the_texts_that_matter(types: Any) -> None:
-    contents = [
+    contents: list[tuple[Any, ...]] = [
         ("on", [], [1.0], [], []), ("up", [], [2.0], [], []), ("on", [], [3.0, 4.0], [], []), ("on", [], [5.0], [], []),
     ]  # fmt: skip
     data = [bytes(types.serialize_cdr(_message(types, *content), KIND)) for content in contents]

@@ -287,10 +287,10 @@ def test_a_command_with_the_water_found_later_is_a_step() -> None:
     torque, rate = np.array([0.0005, 0.02, 0.1, 0.1]), np.array([0.0, 0.5, -0.5, 0.1])
     for k in range(20):
         flow = np.full(N, 0.01 * k)
-        *tables, rows, inputs, before = apart.command(torque, rate, None)
-        assert first_bad(tables[0], rows, inputs, before, 0, columns.ADVANCE_SPEED_INPUT) == GOOD
+        parameters, propellers, ventilation, rows, inputs, before = apart.command(torque, rate, None)
+        assert first_bad(parameters, rows, inputs, before, 0, columns.ADVANCE_SPEED_INPUT) == GOOD
         inputs[columns.ADVANCE_SPEED_INPUT], inputs[columns.SUBMERGENCE_INPUT] = flow, DEEP
-        advance_rows(*tables, rows, inputs, apart.ventilation, H, 0, N)
+        advance_rows(parameters, propellers, ventilation, rows, inputs, apart.ventilation, H, 0, N)
         apart.accept()
         together.step(torque, rate, None, flow, DEEP, H)
     assert apart.state.tolist() == together.state.tolist()
