@@ -167,7 +167,7 @@ def test_a_folder_that_cannot_be_written(scenario: Path) -> None:
     (scenario.parent / "run").write_text("a file", encoding="utf-8")
     code, output = dp("up", "--scenario", scenario, "--record", "--output", scenario.parent / "run")
     assert code == 1
-    assert output.splitlines() == [f"error: {scenario.parent}/run: cannot be written: Not a directory"]
+    assert output.splitlines() == [f"error: {scenario.parent}/run: cannot be written: File exists"]
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
