@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from dp_tools.run_data import RunData, Series
@@ -49,6 +50,12 @@ def position_error(run: RunData, of: str) -> Series:
     error = position.values - run["reference_position"].at(position.t)
     error[:, 2] = wrap_angles(error[:, 2])
     return Series(position.t, error)
+
+
+def runs_of(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return the first and one past the last index of every run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
+    return [(int(first), int(after)) for first, after in edges.reshape(-1, 2)]
 
 
 def unwrapped_degrees(heading: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dp_tools.detection_campaign.bench import Record
+from dp_tools.signals import runs_of
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
@@ -102,7 +103,7 @@ def tabulate(vessel: Vessel, record: Record, settings: DriverSettings | None = N
     flags = early = false_alarms = 0
     for j in watched:
         left, size, flag = record.torque_loss[:, j], np.abs(record.shaft_speed[:, j]), record.ventilating[:, j]
-        for start, end in _runs((left < on) & (size > speed_min[j])):
+        for start, end in runs_of((left < on) & (size > speed_min[j])):
             if (end - start) * dt <= EVENT_LENGTH + _ROUNDING:
                 continue
             up = np.flatnonzero(flag[start:end])
@@ -111,7 +112,7 @@ def tabulate(vessel: Vessel, record: Record, settings: DriverSettings | None = N
             in_time.append(bool(up.size) and delays[-1] <= allowed + _ROUNDING)
             speeds.append(float(size[start:end].mean()))
             depths.append(float(left[start:end].min()))
-        for start, _ in _runs(flag):
+        for start, _ in runs_of(flag):
             flags += 1
             past = left[max(0, start - back) : start + 1]
             if past.min() > off:
@@ -165,9 +166,3 @@ def merge(tables: Iterable[DetectionTable]) -> DetectionTable:
         depths=np.concatenate([part.depths for part in parts]),
         in_time=np.concatenate([part.in_time for part in parts]),
     )
-
-
-def _runs(truth: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return the first and one past the last index of every run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], truth, [False])).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -32,16 +32,13 @@ class AttainableSamples(WindowFigure):
     differs more. ``beyond``: it is longer.
     """
 
+    unit: ClassVar[str] = "1"
+
     kind: Literal["attainable_samples"]
     demand: Literal["inside", "too_fast", "beyond"]
     missed: bool = False  # count only samples in which force was missed
     reverse: Reverse = "as_ahead"
     tolerance: Annotated[Positive, Unit("1")] = MISSED  # missed force that counts, scaled
-
-    @property
-    def unit(self) -> str:
-        """1: a count."""
-        return "1"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the count."""
@@ -55,14 +52,11 @@ class AttainableSamples(WindowFigure):
 class GainLevel(WindowFigure):
     """Mean or smallest minimum gain at the commanded directions over a window, without dimension."""
 
+    unit: ClassVar[str] = "1"
+
     kind: Literal["gain_level"]
     directions: Directions = "both_ways"  # thrusters push both ways, or those that rotate one way only
     statistic: Literal["mean", "min"]
-
-    @property
-    def unit(self) -> str:
-        """1: a ratio."""
-        return "1"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the statistic."""
@@ -73,15 +67,12 @@ class GainLevel(WindowFigure):
 class LowGainSamples(WindowFigure):
     """Samples in which the minimum gain is below a limit; all, or those in which no thruster turned either."""
 
+    unit: ClassVar[str] = "1"
+
     kind: Literal["low_gain_samples"]
     limit: Annotated[Positive, Unit("1")]
     directions: Directions = "both_ways"
     at_rest: bool = False
-
-    @property
-    def unit(self) -> str:
-        """1: a count."""
-        return "1"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the count."""

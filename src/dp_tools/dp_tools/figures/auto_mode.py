@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
-
-import numpy as np
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from dp_tools.figures.base import Measurement, WindowFigure
-from dp_tools.figures.samples import column
+from dp_tools.figures.samples import column, mean
 from dp_tools.run_data import RunData
 from marine_model import Vessel
 
@@ -18,32 +16,26 @@ if TYPE_CHECKING:
 class PerformanceLevel(WindowFigure):
     """Filtered surge-sway demand that azimuth_mode auto decides by: largest, smallest or mean of a window, N."""
 
+    unit: ClassVar[str] = "N"
+
     kind: Literal["performance_level"]
     statistic: Literal["max", "min", "mean"]
-
-    @property
-    def unit(self) -> str:
-        """Newton."""
-        return "N"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the statistic."""
         values = column(run["performance_measure"], scenario, self.window, 0)
         if self.statistic == "mean":
-            return Measurement.of(lambda x: float(x.mean()), values)
+            return Measurement.of(mean, values)
         return Measurement(float(values.max() if self.statistic == "max" else values.min()))
 
 
 class TimeToMode(WindowFigure):
     """Time from the start of a window until azimuth thrusters begin to rotate, or to be held, s."""
 
+    unit: ClassVar[str] = "s"
+
     kind: Literal["time_to_mode"]
     mode: Literal["fixed", "rotating"]
-
-    @property
-    def unit(self) -> str:
-        """Second."""
-        return "s"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the time; without a value where the window ends before."""
@@ -52,4 +44,4 @@ class TimeToMode(WindowFigure):
         changed = [
             t for t, word in zip(labels.t.tolist(), labels.words, strict=True) if start <= t < end and word == self.mode
         ]
-        return Measurement(round(float(np.min(changed)) - start, 9) if changed else None)  # stamps are whole ns
+        return Measurement(round(changed[0] - start, 9) if changed else None)  # stamps are whole ns

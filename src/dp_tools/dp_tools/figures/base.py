@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
+from dp_tools.figures.samples import column
 from dp_tools.interval import batch_jackknife
-from dp_tools.run_data import RunData
+from dp_tools.run_data import RunData, Series
 from marine_model import Vessel
 from marine_model.guards import FloatArray
 from marine_model.schema import Section
@@ -112,14 +113,10 @@ class ComparedFigure(FigureSpec):
     """A figure of one window over that of another, minus one; several windows on a side count together."""
 
     shown: ClassVar[Shown] = "change"
+    unit: ClassVar[str] = "1"
 
     baseline: Windows
     compared: Windows
-
-    @property
-    def unit(self) -> str:
-        """1: a ratio."""
-        return "1"
 
     def windows(self) -> tuple[tuple[str, str], ...]:
         """Return both windows."""
@@ -127,3 +124,17 @@ class ComparedFigure(FigureSpec):
             *(("baseline", window) for window in self.baseline),
             *(("compared", window) for window in self.compared),
         )
+
+    def sides(self, series: Series, scenario: Scenario, index: int) -> tuple[FloatArray, FloatArray]:
+        """Return the samples of one column of ``series``: of the baseline, and of what is compared with it."""
+        return column(series, scenario, self.baseline, index), column(series, scenario, self.compared, index)
+
+
+class ThrusterFigure(FigureSpec):
+    """A figure of one thruster."""
+
+    thruster: str
+
+    def thrusters(self) -> tuple[tuple[str, str], ...]:
+        """Return the thruster."""
+        return (("thruster", self.thruster),)

@@ -48,13 +48,11 @@ class ControlTermChange(ComparedFigure):
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the relative change."""
         index = AXES.index(self.axis)
-        sides = (self.baseline, self.compared)
         if self.statistic == "rms":
-            values = [column(run[self.term], scenario, windows, index) for windows in sides]
-            return Measurement.of(relative_change_of(rms), *values)
+            return Measurement.of(relative_change_of(rms), *self.sides(run[self.term], scenario, index))
         off, on = (
             np.mean([np.abs(column(run[self.term], scenario, window, index)).max() for window in windows])
-            for windows in sides
+            for windows in (self.baseline, self.compared)
         )
         return Measurement(float(on / off) - 1.0)
 
@@ -66,14 +64,11 @@ class SignChange(WindowFigure):
     be it before or after.
     """
 
+    unit: ClassVar[str] = "s"
+
     kind: Literal["sign_change"]
     term: Changing
     axis: Axis
-
-    @property
-    def unit(self) -> str:
-        """Second."""
-        return "s"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the time; None if the integral term did not come to that side within the window."""
@@ -84,15 +79,11 @@ class SignChangeShift(ComparedFigure):
     """That of one window less that of another, s; several windows on a side are averaged."""
 
     shown: ClassVar[Shown] = "quantity"
+    unit: ClassVar[str] = "s"
 
     kind: Literal["sign_change_shift"]
     term: Changing
     axis: Axis
-
-    @property
-    def unit(self) -> str:
-        """Second."""
-        return "s"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the difference; None if a time is missing."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -25,14 +25,11 @@ if TYPE_CHECKING:
 class _Scaled(FigureSpec):
     """What an excursion is measured by."""
 
+    unit: ClassVar[str] = "1"
+
     lengths: Annotated[Positive, Unit("1")]  # distance, in lengths of the ship: the same at every scale
     heading: Annotated[Positive, Unit("deg")]
     of: Literal["estimate", "truth"] = "estimate"
-
-    @property
-    def unit(self) -> str:
-        """1: a ratio."""
-        return "1"
 
     def _excursion(self, run: RunData, scenario: Scenario, vessel: Vessel, window: str, both: bool) -> FloatArray:
         """Return distance from the reference over ``lengths`` ships and heading error over ``heading``.

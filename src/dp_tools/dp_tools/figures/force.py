@@ -60,11 +60,8 @@ class ForceLevelChange(ComparedFigure):
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the relative change."""
-        series = _force(self.force, run, vessel)
-        levels = [
-            column(series, scenario, windows, AXES.index(self.axis)) for windows in (self.baseline, self.compared)
-        ]
-        return Measurement.of(relative_change, *levels)
+        sides = self.sides(_force(self.force, run, vessel), scenario, AXES.index(self.axis))
+        return Measurement.of(relative_change, *sides)
 
 
 class ForceTracking(_ForceFigure):
@@ -94,14 +91,10 @@ class ForceMet(WindowFigure):
     """Share of a window in which the commanded force was within tolerance of the desired one in every axis."""
 
     shown: ClassVar[Shown] = "share"
+    unit: ClassVar[str] = "1"
 
     kind: Literal["force_met"]
     tolerance: Annotated[PositiveVector3, Unit("N, N, N m")]
-
-    @property
-    def unit(self) -> str:
-        """1: a ratio."""
-        return "1"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the share."""

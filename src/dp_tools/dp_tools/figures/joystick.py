@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -19,13 +19,10 @@ if TYPE_CHECKING:
 class TimeToDemand(WindowFigure):
     """Longest time from a joystick step until the commanded force has come, and stays, within tolerance of it, s."""
 
+    unit: ClassVar[str] = "s"
+
     kind: Literal["time_to_demand"]
     tolerance: Annotated[PositiveVector3, Unit("N, N, N m")]
-
-    @property
-    def unit(self) -> str:
-        """Second."""
-        return "s"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the longest of all steps."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from dp_tools.figures.base import Measurement, WindowFigure
+from dp_tools.figures.base import Measurement, ThrusterFigure, WindowFigure
 from dp_tools.run_data import RunData, Series
 from dp_tools.signals import measured_thrust
 from marine_model import Vessel
@@ -20,24 +20,16 @@ if TYPE_CHECKING:
 _LONGEST = 10.0
 
 
-class ActuatorLag(WindowFigure):
+class ActuatorLag(ThrusterFigure, WindowFigure):
     """Time by which a measured direction or thrust comes behind its command over a window, s.
 
     The shift of the command that leaves the least mean square difference, in steps of the feedback.
     """
 
+    unit: ClassVar[str] = "s"
+
     kind: Literal["actuator_lag"]
-    thruster: str
     of: Literal["azimuth", "thrust"]
-
-    @property
-    def unit(self) -> str:
-        """Second."""
-        return "s"
-
-    def thrusters(self) -> tuple[tuple[str, str], ...]:
-        """Return the thruster."""
-        return (("thruster", self.thruster),)
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the shift."""

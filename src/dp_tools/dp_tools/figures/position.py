@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
@@ -53,22 +53,17 @@ class PositionErrorChange(ComparedFigure):
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the relative change of the statistic."""
         error = position_error(run, f"{self.of}_position")
-        sides = [
-            column(error, scenario, windows, PLACES.index(self.axis)) for windows in (self.baseline, self.compared)
-        ]
+        sides = self.sides(error, scenario, PLACES.index(self.axis))
         return Measurement.of(relative_change_of(std if self.statistic == "std" else rms), *sides)
 
 
 class LargestErrorDelay(WindowFigure):
     """Time from the newest event until the largest deviation from the reference in a window, s."""
 
+    unit: ClassVar[str] = "s"
+
     kind: Literal["largest_error_delay"]
     axis: Place
-
-    @property
-    def unit(self) -> str:
-        """Second."""
-        return "s"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the time; None if no event came before."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from dp_tools.figures.base import ComparedFigure, Measurement, WindowFigure
 from dp_tools.figures.samples import column, mean, relative_change, relative_change_of, std
@@ -17,12 +17,9 @@ if TYPE_CHECKING:
 class MeanPower(WindowFigure):
     """Mean of the developed power of all thrusters over a window, W."""
 
-    kind: Literal["mean_power"]
+    unit: ClassVar[str] = "W"
 
-    @property
-    def unit(self) -> str:
-        """Watt."""
-        return "W"
+    kind: Literal["mean_power"]
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the mean."""
@@ -36,9 +33,7 @@ class MeanPowerChange(ComparedFigure):
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the relative change."""
-        total = total_power(run)
-        windows = [column(total, scenario, window, 0) for window in (self.baseline, self.compared)]
-        return Measurement.of(relative_change, *windows)
+        return Measurement.of(relative_change, *self.sides(total_power(run), scenario, 0))
 
 
 class PowerStdChange(ComparedFigure):
@@ -48,6 +43,4 @@ class PowerStdChange(ComparedFigure):
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the relative change."""
-        total = total_power(run)
-        windows = [column(total, scenario, window, 0) for window in (self.baseline, self.compared)]
-        return Measurement.of(relative_change_of(std), *windows)
+        return Measurement.of(relative_change_of(std), *self.sides(total_power(run), scenario, 0))

@@ -50,6 +50,4 @@ def relative_change_of(statistic: Callable[[FloatArray], float]) -> Callable[[Fl
     return change
 
 
-def relative_change(baseline: FloatArray, compared: FloatArray) -> float:
-    """Return the mean of ``compared`` over that of ``baseline``, minus one."""
-    return float(compared.mean() / baseline.mean()) - 1.0
+relative_change = relative_change_of(mean)

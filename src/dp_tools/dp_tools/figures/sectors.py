@@ -9,6 +9,7 @@ import numpy as np
 
 from dp_tools.figures.base import Measurement, Shown, WindowFigure
 from dp_tools.run_data import RunData
+from dp_tools.signals import runs_of
 from marine_model import Vessel
 from marine_model.frames import wrap_angles
 from marine_model.guards import FloatArray
@@ -29,16 +30,13 @@ class ForbiddenDwell(WindowFigure):
     a thruster that turns back in a sector, slows down or stops there dwells.
     """
 
+    unit: ClassVar[str] = "s"
+
     kind: Literal["forbidden_dwell"]
     of: Literal["commanded", "measured"] = "commanded"
     # How far inside a sector begins to count. A measured direction that rests at the end of a window is inside the
     # sector beside it half of the time, by noise.
     margin: Annotated[float, Unit("deg")] = 0.0
-
-    @property
-    def unit(self) -> str:
-        """Second."""
-        return "s"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the sum over all thrusters and sectors."""
@@ -60,13 +58,9 @@ class TransitFullRate(WindowFigure):
     """
 
     shown: ClassVar[Shown] = "share"
+    unit: ClassVar[str] = "1"
 
     kind: Literal["transit_full_rate"]
-
-    @property
-    def unit(self) -> str:
-        """1: a ratio."""
-        return "1"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the share; without a value where there was no transit."""
@@ -92,15 +86,12 @@ class TransitFullRate(WindowFigure):
 class SwitchCount(WindowFigure):
     """How often something was switched over a window."""
 
+    unit: ClassVar[str] = "1"
+
     kind: Literal["switch_count"]
     # sub_problem: the chosen combination of windows changes; transit: a thruster sets out for another window through
     # directions outside of it; azimuth_mode: between fixed and rotating.
     of: Literal["sub_problem", "transit", "azimuth_mode"]
-
-    @property
-    def unit(self) -> str:
-        """1: a count."""
-        return "1"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the count."""
@@ -124,10 +115,8 @@ def inside(angle: FloatArray, sector: Sector, margin: float = 0.0) -> np.ndarray
 
 def _dwell(t: FloatArray, angle: FloatArray, sector: Sector, margin: float, rate: float) -> float:
     """Return the time inside a sector beyond what its passages take at ``rate`` (rad/s), s."""
-    flags = np.concatenate(([False], inside(angle, sector, margin), [False]))
-    edges = np.flatnonzero(np.diff(flags.astype(np.int8)))
     total = 0.0
-    for first, after in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+    for first, after in runs_of(inside(angle, sector, margin)):
         took = float(t[after - 1] - t[first])
         turned = abs(float(wrap_angles(angle[first:after][1:] - angle[first:after][:-1]).sum()))
         total += max(0.0, took - turned / rate)

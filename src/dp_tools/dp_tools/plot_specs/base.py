@@ -29,6 +29,16 @@ class PlotSpec(Section):
         return ()
 
 
+class PartPlot(PlotSpec):
+    """A picture of one window, or of the whole run."""
+
+    window: str = ""  # empty: the whole run
+
+    def windows(self) -> tuple[tuple[str, str], ...]:
+        """Return the window, if there is one."""
+        return (("window", self.window),) if self.window else ()
+
+
 class GroupedPlot(PlotSpec):
     """A picture of several windows, e.g. two without and two with something."""
 

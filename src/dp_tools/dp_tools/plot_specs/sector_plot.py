@@ -4,15 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from dp_tools.plot_specs.base import PlotSpec
+from dp_tools.plot_specs.base import PartPlot
 
 
-class SectorPlot(PlotSpec):
+class SectorPlot(PartPlot):
     """Chosen combination of windows, and directions of the azimuth thrusters over their forbidden sectors."""
 
     kind: Literal["sectors"]
-    window: str = ""  # empty: the whole run
-
-    def windows(self) -> tuple[tuple[str, str], ...]:
-        """Return the window, if there is one."""
-        return (("window", self.window),) if self.window else ()

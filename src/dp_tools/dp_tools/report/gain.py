@@ -14,7 +14,7 @@ _STEPS = {"drawstyle": "steps-post"}
 
 def attainable_plot(scene: Scene, spec: AttainablePlot) -> tuple[str, str]:
     """Draw scaled demand, command and minimum gain, and mark where force was missed."""
-    span = scene.scenario.windows[spec.window] if spec.window else scene.whole
+    span = scene.span(spec.window)
     panels = scene.panels(("scaled force (1)",), span, height=3.2)
     lengths = attainable(scene.run, scene.vessel, spec.reverse)
     t, missed = lengths.t, lengths.missed > spec.tolerance
@@ -30,7 +30,7 @@ def attainable_plot(scene: Scene, spec: AttainablePlot) -> tuple[str, str]:
 
 def minimum_gains(scene: Scene, spec: MinimumGains) -> tuple[str, str]:
     """Draw the minimum gains with and without singularity avoidance."""
-    span = scene.scenario.windows[spec.window] if spec.window else scene.whole
+    span = scene.span(spec.window)
     panels = scene.panels(("minimum gain (1)",), span, height=2.6)
     run = scene.run
     if "minimum_gain_free" in run:

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from dp_tools.plot_specs.overlay import Overlay
-from dp_tools.report import style
+from dp_tools.report.groups import SINCE_START, lines_of, name_groups
 from dp_tools.report.panels import WIDTH, svg_uri
 from dp_tools.report.scene import Scene
 from dp_tools.run_data import Series
@@ -22,19 +22,15 @@ def overlay(scene: Scene, spec: Overlay) -> tuple[str, str]:
     """Draw one signal in several windows over the time since each began."""
     signal = _signal(scene, spec.series)
     figure = Canvas(figsize=(WIDTH, 5.4), layout="constrained")
-    axes = figure.subplots(3, 1, sharex=True)
+    axes = figure.subplots(3, 1, sharex=True).tolist()
     labels = _LABELS["position_error" if spec.series == "position_error" else "force"]
     for i, (axis, label) in enumerate(zip(axes, labels, strict=True)):
         axis.set_ylabel(label)
-        for number, (name, windows) in enumerate(spec.groups.items()):
-            color = style.GROUPS[number % len(style.GROUPS)]
-            for k, window in enumerate(windows):
-                part = signal.window(*scene.scenario.windows[window])
-                since = part.t - scene.scenario.windows[window][0]
-                axis.plot(since, part.values[:, i], color=color, linewidth=1.0, label=None if k else name)
-    axes[-1].set_xlabel("time since the start of the window (s)")
-    handles, names = axes[0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside upper right", ncols=len(names))
+        for window, line in lines_of(spec.groups):
+            start, end = scene.scenario.windows[window]
+            part = signal.window(start, end)
+            axis.plot(part.t - start, part.values[:, i], **line)
+    name_groups(figure, axes, SINCE_START)
     return svg_uri(figure), f"{spec.series.replace('_', ' ')} in the windows of {', '.join(spec.groups)}"
 
 

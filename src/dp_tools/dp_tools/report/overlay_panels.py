@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure as Canvas
 
 from dp_tools.plot_specs.overlay_panels import OverlayPanels, Panel
-from dp_tools.report import style
+from dp_tools.report.groups import SINCE_START, lines_of, name_groups
 from dp_tools.report.panels import WIDTH, svg_uri
 from dp_tools.report.scene import Scene
 from dp_tools.report.thinning import break_turns, thin
@@ -30,24 +30,19 @@ def overlay_panels(scene: Scene, spec: OverlayPanels) -> tuple[str, str]:
         signal = _signal(scene, panel)
         name = panel.thruster.replace("_", " ")
         axis.set_ylabel(f"{name}\n{_LABELS[panel.series]}" if name else _LABELS[panel.series])
-        for number, (label, windows) in enumerate(spec.groups.items()):
-            color = style.GROUPS[number % len(style.GROUPS)]
-            for k, window in enumerate(windows):
-                start, end = scene.scenario.windows[window]
-                part = signal.window(start, end)
-                values = part.values[:, 0]
-                if panel.series == "azimuth_command":
-                    values = break_turns(values)
-                drawn = thin(part.t - start, values)
-                axis.plot(*drawn, color=color, linewidth=1.0, label=None if k else label)
+        for window, line in lines_of(spec.groups):
+            start, end = scene.scenario.windows[window]
+            part = signal.window(start, end)
+            values = part.values[:, 0]
+            if panel.series == "azimuth_command":
+                values = break_turns(values)
+            axis.plot(*thin(part.t - start, values), **line)
         if panel.series == "beta_q2":
             axis.set_ylim(0.0, 1.1)
         elif panel.series == "azimuth_command":
             axis.set_ylim(-190.0, 190.0)
             axis.set_yticks([-180, -90, 0, 90, 180])
-    axes[-1].set_xlabel("time since the start of the window (s)")
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
+    name_groups(figure, axes, SINCE_START)
     shown = ", ".join(f"{_LABELS[panel.series]} {panel.thruster}".strip() for panel in spec.panels)
     return svg_uri(figure), f"{shown} in the windows of {', '.join(spec.groups)}"
 

@@ -15,6 +15,7 @@ from dp_tools.report import style
 from dp_tools.report.thinning import thin
 from dp_tools.run_data import Series
 from dp_tools.scenario import Event, Scenario
+from dp_tools.signals import runs_of
 from marine_model.guards import FloatArray
 
 WIDTH = 10.6  # inch
@@ -91,33 +92,29 @@ class Panels:
         """Shade a stretch of one panel in which something is faulty."""
         if end > self.span[0] and start < self.span[1]:
             drawn = self.axes[panel].axvspan(start, end, color=style.FAULT, linewidth=0, zorder=0.5)
-            self._handles[panel].setdefault("faulty", drawn)
+            self.add_to_legend(panel, "faulty", drawn)
 
     def band(self, panel: int, low: float, high: float, label: str, color: str) -> None:
         """Shade what lies between two values of one panel."""
         drawn = self.axes[panel].axhspan(low, high, color=color, linewidth=0, zorder=0.5)
-        self._handles[panel].setdefault(label, drawn)
+        self.add_to_legend(panel, label, drawn)
 
     def draw(self, panel: int, t: FloatArray, values: FloatArray, label: str, color: str, **line: Any) -> None:
         """Draw one signal; a label that came before is not repeated in the legend."""
         inside = (t >= self.span[0] - 1e-6) & (t <= self.span[1] + 1e-6)
         (drawn,) = self.axes[panel].plot(*thin(t[inside], values[inside]), color=color, label=label, **line)
-        self._handles[panel].setdefault(label, drawn)
+        self.add_to_legend(panel, label, drawn)
 
     def stretches(self, panel: int, t: FloatArray, flags: NDArray[np.bool_], label: str, color: str) -> None:
         """Draw when ``flags`` are up as bars at the foot of a panel."""
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
-        first, after = edges[::2], np.minimum(edges[1::2], len(t) - 1)
-        bars = [
-            (start, end - start)
-            for start, end in zip(t[first].tolist(), t[after].tolist(), strict=True)
-            if end >= self.span[0] and start <= self.span[1]
-        ]
+        # A run that goes on to the end of the signal ends with its last sample.
+        spans = [(float(t[first]), float(t[min(after, len(t) - 1)])) for first, after in runs_of(flags)]
+        bars = [(start, end - start) for start, end in spans if end >= self.span[0] and start <= self.span[1]]
         if bars:
             axis = self.axes[panel]
             drawn = axis.broken_barh(bars, (0.0, 0.07), color=color, transform=axis.get_xaxis_transform(), zorder=3)
             drawn.set_label(label)
-            self._handles[panel].setdefault(label, drawn)
+            self.add_to_legend(panel, label, drawn)
 
     def add_to_legend(self, panel: int, label: str, drawn: Any) -> None:
         """Name what was drawn beside this class, e.g. on an axis at the right; a label that came before stays."""
@@ -126,7 +123,7 @@ class Panels:
     def level(self, panel: int, value: float, label: str) -> None:
         """Draw a limit as a thin level line."""
         drawn = self.axes[panel].axhline(value, color=style.LIMIT, linewidth=0.8, linestyle=(0, (1, 2)))
-        self._handles[panel].setdefault(label, drawn)
+        self.add_to_legend(panel, label, drawn)
 
     def at_least(self, panel: int, height: float) -> None:
         """Widen the y-axis of a panel to ``height``, so that noise about a constant does not fill it."""

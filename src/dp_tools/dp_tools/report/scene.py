@@ -38,6 +38,10 @@ class Scene:
         """(0, end) of the run, s."""
         return 0.0, max(self.run.duration, 1e-9)
 
+    def span(self, window: str) -> Span:
+        """Return (start, end) of a window, s; of the whole run without a name."""
+        return self.scenario.windows[window] if window else self.whole
+
     @property
     def faults(self) -> tuple[Fault, ...]:
         """When which thrusters are faulty."""

@@ -17,7 +17,7 @@ from marine_model.sector import Sector
 def sector_plot(scene: Scene, spec: SectorPlot) -> tuple[str, str]:
     """Draw the sub-problem and, thruster by thruster, directions over shaded sectors."""
     run, vessel = scene.run, scene.vessel
-    span = scene.scenario.windows[spec.window] if spec.window else scene.whole
+    span = scene.span(spec.window)
     turning = [j for j, sectors in enumerate(vessel.sectors) if sectors]
     labels = tuple(f"{run.thrusters[j].replace('_', ' ')}\n(deg)" for j in turning)
     panels = Panels(("sub-problem", *labels), scene.scenario, span, height=1.35)

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure as Canvas
 from dp_tools.figures.spectrum import signal_of
 from dp_tools.plot_specs.spectra import Spectra
 from dp_tools.report import style
+from dp_tools.report.groups import lines_of, name_groups
 from dp_tools.report.panels import WIDTH, svg_uri
 from dp_tools.report.scene import Scene
 from dp_tools.spectra import spectrum
@@ -28,23 +29,17 @@ def spectra(scene: Scene, spec: Spectra) -> tuple[str, str]:
         signal = signal_of(scene.run, spec.signal, thruster)
         name = thruster.replace("_", " ")
         axis.set_ylabel(f"{name}\n({unit})" if name else f"total power ({unit})")
-        for number, (label, windows) in enumerate(spec.groups.items()):
-            color = style.GROUPS[number % len(style.GROUPS)]
-            for k, window in enumerate(windows):
-                frequency, density = spectrum(signal.window(*scene.scenario.windows[window]), spec.segment)
-                shown = (frequency > 0.0) & (frequency <= spec.up_to)
-                drawn = {} if k else {"label": label}
-                axis.plot(frequency[shown], scale * density[shown], color=color, linewidth=1.0, **drawn)
+        for window, line in lines_of(spec.groups):
+            frequency, density = spectrum(signal.window(*scene.scenario.windows[window]), spec.segment)
+            shown = (frequency > 0.0) & (frequency <= spec.up_to)
+            axis.plot(frequency[shown], scale * density[shown], **line)
         for mark in spec.marked:
             axis.axvline(mark, color=style.MUTED, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
         axis.set_ylim(bottom=0.0)
         axis.set_xlim(0.0, spec.up_to)
-    axes[-1].set_xlabel("frequency (Hz)")
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
-    return svg_uri(
-        figure
-    ), f"Power spectrum of {spec.signal.replace('_', ' ')} in the windows of {', '.join(spec.groups)}"
+    name_groups(figure, axes, "frequency (Hz)")
+    alt = f"Power spectrum of {spec.signal.replace('_', ' ')} in the windows of {', '.join(spec.groups)}"
+    return svg_uri(figure), alt
 
 
 def _shown_in(scene: Scene, spec: Spectra) -> str:

@@ -21,7 +21,7 @@ _NODE, _SWITCH = "thrust_allocator", "antispin.enabled"
 def thrust_and_loss(scene: Scene, spec: ThrustAndLoss) -> tuple[str, str]:
     """Draw commanded thrusts (left) and what the drivers remember of losses (right)."""
     run = scene.run
-    span = scene.scenario.windows[spec.window] if spec.window else scene.whole
+    span = scene.span(spec.window)
     labels = tuple(f"{name.replace('_', ' ')}\n(N)" for name in run.thrusters)
     panels = Panels(labels, scene.scenario, span, 1.4, scene.measured_windows, right=_RIGHT)
     command, losses = run["thrust_command"], run["beta_q2"]
