@@ -10,8 +10,8 @@ import psutil
 
 from benchmarks.plan import Plan
 from benchmarks.result import Aim, Result
+from dp_bringup.processes import Child
 from dp_tools.graph_run import GraphRun
-from dp_tools.processes import Child
 from dp_tools.run_files import Pace
 from dp_tools.run_folder import RunFolder
 from marine_model import load_vessel

@@ -22,11 +22,11 @@ from benchmarks import echo_node
 from benchmarks.plan import Plan
 from benchmarks.result import Aim, Result
 from benchmarks.statistics import summarize
+from dp_bringup.operator_node import NoAnswerError, Operator, operator
+from dp_bringup.processes import Children
+from dp_bringup.workspace import executable
 from dp_node import RING, RING_PUBLISHER, from_nanoseconds, to_nanoseconds
 from dp_tools.in_process import ClosedLoop
-from dp_tools.operator_node import NoAnswerError, Operator, operator
-from dp_tools.processes import Children
-from dp_tools.workspace import executable
 from marine_model import Vessel, load_vessel
 from marine_model.frames import BODY_FRAME
 

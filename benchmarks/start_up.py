@@ -12,10 +12,10 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from benchmarks.plan import Plan
 from benchmarks.result import Result
 from benchmarks.statistics import summarize
+from dp_bringup.operator_node import operator
+from dp_bringup.processes import Children
+from dp_bringup.workspace import executable
 from dp_node import LATCHED
-from dp_tools.operator_node import operator
-from dp_tools.processes import Children
-from dp_tools.workspace import executable
 from marine_model.errors import DpError
 
 _SECONDS = 60.0

@@ -1,13 +1,14 @@
 from glob import glob
 
-from setuptools import setup
+from setuptools import find_packages, setup
 
 package_name = "dp_bringup"
 
 setup(
     name=package_name,
     version="0.1.0",
-    packages=[],
+    packages=find_packages(),
+    package_data={package_name: ["py.typed"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
@@ -18,6 +19,7 @@ setup(
     ],
     install_requires=["setuptools"],
     zip_safe=False,
-    description="Launch, parameter and scenario files of the dynamic-positioning graph.",
+    description="Brings the dynamic-positioning graph up: processes, launch, parameter and scenario files.",
     license="Apache-2.0",
+    entry_points={"console_scripts": ["composed = dp_bringup.composed:main"]},
 )

@@ -18,7 +18,6 @@ setup(
     entry_points={
         "console_scripts": [
             "dp = dp_tools.cli:main",
-            "composed = dp_tools.composed:main",
             "recorder = dp_tools.recorder.node:main",
         ],
     },

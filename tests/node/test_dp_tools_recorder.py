@@ -27,9 +27,9 @@ from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 from std_msgs.msg import String
 
+from dp_bringup.workspace import executable
 from dp_node import RING
 from dp_tools.recorder.quality import DEPTH, matching_quality
-from dp_tools.workspace import executable
 from support.waiting import wait_until
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from dp_msgs.msg import ThrusterFeedback
 
+from dp_bringup.operator_node import operator
 from dp_node import RING
 from dp_tools.bag_reader import bag_file, read_bag
-from dp_tools.operator_node import operator
 from dp_tools.recorder.bag_writer import BagWriter
 from support.dp_command import DpProcess, dp, write_scenario
 

@@ -12,12 +12,13 @@ import pytest
 import yaml
 from dp_msgs.msg import AllocationStatus, ControllerStatus
 
+from dp_bringup.operator_node import Operator, operator
+from dp_bringup.parameter_service import ParameterRefusedError, RemoteParameters, read_parameter_file
 from dp_node import RING
 from dp_tools.node_settings import default_settings
-from dp_tools.operator_node import Operator, operator
-from dp_tools.parameter_service import ParameterRefusedError, RemoteParameters, parse_value, read_parameter_file
 from marine_model import load_vessel
 from marine_model.settings import parameters_of
+from marine_model.yaml_document import parse_value
 from support.dp_command import DpProcess, own_domain
 from support.dp_here import Dp, dp_here
 

@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import pytest
 
 SOURCE = Path(__file__).parents[2] / "src"
-VOCABULARY, MESSAGES, SCAFFOLDING, TOOLS = "marine_model", "dp_msgs", "dp_node", "dp_tools"
+VOCABULARY, MESSAGES, SCAFFOLDING, BRINGUP, TOOLS = "marine_model", "dp_msgs", "dp_node", "dp_bringup", "dp_tools"
 ROS = re.compile(r"rclpy|rosidl\w*|ament\w*|launch\w*|rosbags|\w+_msgs|\w+_interfaces")
 
 
@@ -59,7 +59,7 @@ MODULES = [
     for path in sorted((SOURCE / package / package).rglob("*.py"))
     if "__pycache__" not in path.parts
 ]
-CORES = [package for package in PACKAGES if package not in (SCAFFOLDING, TOOLS)]
+CORES = [package for package in PACKAGES if package not in (SCAFFOLDING, BRINGUP, TOOLS)]
 CORE_MODULES = [module for module in MODULES if module.package in CORES and not module.is_node]
 NODE_MODULES = [module for module in MODULES if module.package in CORES and module.is_node]
 OURS = {*PACKAGES, MESSAGES}
@@ -96,6 +96,18 @@ def test_the_scaffolding_knows_the_vocabulary_and_messages_only() -> None:
     for module in MODULES:
         if module.package == SCAFFOLDING:
             assert module.packages() & OURS <= {SCAFFOLDING, VOCABULARY, MESSAGES}, module.name
+
+
+def test_bringing_up_knows_the_scaffolding_and_no_core() -> None:
+    for module in MODULES:
+        if module.package == BRINGUP:
+            assert module.packages() & OURS <= {BRINGUP, SCAFFOLDING, VOCABULARY, MESSAGES}, module.name
+
+
+def test_only_the_tools_know_of_bringing_up() -> None:
+    for module in MODULES:
+        if module.package not in (BRINGUP, TOOLS):
+            assert BRINGUP not in module.packages(), module.name
 
 
 def test_nobody_imports_the_tools_or_a_node() -> None:

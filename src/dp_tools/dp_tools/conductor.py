@@ -10,11 +10,11 @@ from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseStamped, WrenchStamped
 from nav_msgs.msg import Path as PathMessage
 
+from dp_bringup.graph_nodes import START_SECONDS
+from dp_bringup.operator_node import Operator
+from dp_bringup.parameter_service import RemoteParameters
 from dp_node import RING_PUBLISHER, from_nanoseconds, to_nanoseconds
 from dp_tools.clock_reader import ClockReader
-from dp_tools.graph_nodes import START_SECONDS
-from dp_tools.operator_node import Operator
-from dp_tools.parameter_service import RemoteParameters
 from dp_tools.scenario import Event, Scenario
 from marine_model.errors import DpError
 from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion

@@ -9,18 +9,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from dp_bringup.graph_lock import graph_lock
+from dp_bringup.graph_nodes import NODES, START_SECONDS, is_there, present, unheard, wait_until_active
+from dp_bringup.interrupts import Interrupts
+from dp_bringup.operator_node import Operator, operator
+from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.processes import Child, Children
+from dp_bringup.workspace import executable, share
 from dp_tools.conductor import Conductor
-from dp_tools.graph_lock import graph_lock
-from dp_tools.graph_nodes import NODES, START_SECONDS, is_there, present, unheard, wait_until_active
-from dp_tools.interrupts import Interrupts
-from dp_tools.operator_node import Operator, operator
-from dp_tools.parameter_service import read_parameter_file
-from dp_tools.processes import Child, Children
 from dp_tools.recorder import RECORDER_EARS
 from dp_tools.run_files import Pace, start_parameters, write_start_parameters
 from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario
-from dp_tools.workspace import executable, share
 from marine_model.errors import DpError
 
 
@@ -167,7 +167,7 @@ class GraphRun:
     def _start_nodes(self, children: Children) -> None:
         arguments = ["--ros-args", "--params-file", self.folder.parameters, *self._names()]
         if self.composed:
-            children.start("composed", [executable("dp_tools", "composed"), *arguments])
+            children.start("composed", [executable("dp_bringup", "composed"), *arguments])
             return
         for package in NODES:
             children.start(package, [executable(package, "node"), *arguments])

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from dp_tools.parameter_service import to_parameter_file
+from dp_bringup.parameter_service import to_parameter_file
+from dp_bringup.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
 from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario
-from dp_tools.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
 
 
 @dataclass(frozen=True)

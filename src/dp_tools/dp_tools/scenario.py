@@ -10,10 +10,10 @@ from typing import Annotated, Self
 import yaml
 from pydantic import Field, PrivateAttr, model_validator
 
+from dp_bringup.workspace import share
 from dp_tools.figures import AnyFigure
 from dp_tools.node_settings import SIMULATOR, default_settings
 from dp_tools.plot_specs import AnyPlot
-from dp_tools.workspace import share
 from marine_model import Vessel, load_vessel
 from marine_model.errors import DocumentError, InputError, UnknownNameError
 from marine_model.named_files import file_names, named_file

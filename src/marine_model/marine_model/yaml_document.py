@@ -56,6 +56,15 @@ for _kind, _pattern, _first in (
     _Loader.add_implicit_resolver(f"tag:yaml.org,2002:{_kind}", re.compile(rf"(?:{_pattern})$"), _first)
 _Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_whole_number)
 
+
+def parse_value(text: str) -> Any:
+    """Return what ``text`` means as a value in a document: true, 3, 1e-7, [1.0, 2.0]; else the text itself."""
+    try:
+        return yaml.load(text, _Loader)  # noqa: S506 - a safe loader
+    except yaml.YAMLError:
+        return text
+
+
 # Aliases may repeat parts of a file; far beyond any real vessel or scenario they are an attack or an accident.
 _LARGEST_DOCUMENT = 100_000  # values
 _LONGEST_VALUE = 60  # characters of a wrong value that an error text repeats

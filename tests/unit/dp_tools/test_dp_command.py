@@ -19,8 +19,8 @@ def nothing_may_start(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         raise AssertionError("a process or a ROS node was started")
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("dp_tools.processes.subprocess.Popen", fail)
-    monkeypatch.setattr("dp_tools.operator_node.rclpy.init", fail)
+    monkeypatch.setattr("dp_bringup.processes.subprocess.Popen", fail)
+    monkeypatch.setattr("dp_bringup.operator_node.rclpy.init", fail)
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,10 @@ from typing import Any, get_args
 import pytest
 import yaml
 
+from dp_bringup.workspace import WorkspaceError
 from dp_tools.figures import AnyFigure
 from dp_tools.node_settings import default_settings
 from dp_tools.scenario import free_run, load_scenario, scenario_names
-from dp_tools.workspace import WorkspaceError
 from marine_model import load_vessel
 from marine_model.errors import DocumentError, UnknownNameError
 from support.repository import ROOT, SCENARIOS

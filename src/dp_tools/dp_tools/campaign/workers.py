@@ -13,8 +13,8 @@ from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from typing import Any
 
+from dp_bringup.interrupts import Interrupts
 from dp_tools.campaign.order import Order, Outcome
-from dp_tools.interrupts import Interrupts
 from marine_model.errors import DpError
 
 _STOP_SECONDS = 5.0

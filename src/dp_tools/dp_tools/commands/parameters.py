@@ -12,15 +12,15 @@ from rcl_interfaces.msg import ParameterDescriptor, ParameterType
 from rich.markup import escape
 from rich.table import Table
 
-from dp_tools.commands.root import Namespace, console
-from dp_tools.graph_nodes import ANNOUNCEMENT_SECONDS, NODES, present
-from dp_tools.operator_node import NoAnswerError, Operator, operator
-from dp_tools.parameter_service import (
+from dp_bringup.graph_nodes import ANNOUNCEMENT_SECONDS, NODES, present
+from dp_bringup.operator_node import NoAnswerError, Operator, operator
+from dp_bringup.parameter_service import (
     RemoteParameters,
-    parse_value,
     read_parameter_file,
     to_parameter_file,
 )
+from dp_tools.commands.root import Namespace, console
+from marine_model.yaml_document import parse_value
 
 parameters_app = typer.Typer(help="Read and change parameters of running nodes.", no_args_is_help=True)
 

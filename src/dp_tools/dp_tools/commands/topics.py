@@ -12,10 +12,10 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rich.table import Table
 
+from dp_bringup.graph_nodes import ANNOUNCEMENT_SECONDS
+from dp_bringup.message_types import message_class
+from dp_bringup.operator_node import NoAnswerError, Operator, operator
 from dp_tools.commands.root import Namespace, console
-from dp_tools.graph_nodes import ANNOUNCEMENT_SECONDS
-from dp_tools.message_types import message_class
-from dp_tools.operator_node import NoAnswerError, Operator, operator
 from dp_tools.recorder import RECORDER_EARS
 
 _HIDDEN = ("/rosout", "/parameter_events", "/transition_event")  # ends of names

@@ -11,10 +11,10 @@ from typing import Annotated
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from dp_bringup.processes import Child, ChildDiedError
 from dp_tools.commands.report import write_and_tell
 from dp_tools.commands.root import Namespace, console, error_console
 from dp_tools.graph_run import GraphRun
-from dp_tools.processes import Child, ChildDiedError
 from dp_tools.run_files import Pace
 from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario, load_scenario

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from dp_bringup.workspace import share
 from dp_tools.open_water.rig import controllers_of, rig_of
 from dp_tools.open_water.trial import Trial
-from dp_tools.workspace import share
 from marine_model.errors import DocumentError
 from marine_model.load import with_propeller_data
 from marine_model.named_files import file_names, named_file

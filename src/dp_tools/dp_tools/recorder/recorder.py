@@ -10,7 +10,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
-from dp_tools.message_types import MessageTypeError, message_class
+from dp_bringup.message_types import MessageTypeError, message_class
 from dp_tools.recorder.bag_metadata import TopicInfo
 from dp_tools.recorder.bag_writer import BagWriter
 from dp_tools.recorder.quality import DEPTH, describe_quality, matching_quality

@@ -9,10 +9,10 @@ import types
 
 import pytest
 
+from dp_bringup.composed import main, node_factory
+from dp_bringup.message_types import MessageTypeError, message_class
+from dp_bringup.workspace import RING_PACKAGES, SIMULATOR_PACKAGE, WorkspaceError, executable, share
 from dp_node import DpNode
-from dp_tools.composed import main, node_factory
-from dp_tools.message_types import MessageTypeError, message_class
-from dp_tools.workspace import RING_PACKAGES, SIMULATOR_PACKAGE, WorkspaceError, executable, share
 from marine_model.errors import DpError
 
 NODES = (*RING_PACKAGES, SIMULATOR_PACKAGE)

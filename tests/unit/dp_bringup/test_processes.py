@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from dp_tools.processes import Child, ChildDiedError, Children, explain_exit
+from dp_bringup.processes import Child, ChildDiedError, Children, explain_exit
 from support.waiting import wait_until
 
 READY = "print('ready', flush=True)"

@@ -7,8 +7,8 @@ from typing import Any
 from lifecycle_msgs.msg import State
 from lifecycle_msgs.srv import GetState
 
-from dp_tools.operator_node import Operator
-from dp_tools.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
+from dp_bringup.operator_node import Operator
+from dp_bringup.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
 
 # Every node has the name of its package.
 NODES = (*RING_PACKAGES, SIMULATOR_PACKAGE)

@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from dp_tools.interrupts import Interrupts
+from dp_bringup.interrupts import Interrupts
 
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 

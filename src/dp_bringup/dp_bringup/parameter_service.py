@@ -17,9 +17,9 @@ from rcl_interfaces.srv import (
 )
 from rclpy.parameter import Parameter, parameter_value_to_python
 
-from dp_tools.operator_node import NoAnswerError, Operator
+from dp_bringup.operator_node import NoAnswerError, Operator
 from marine_model.errors import DocumentError, DpError
-from marine_model.yaml_document import read_yaml
+from marine_model.yaml_document import parse_value, read_yaml
 
 _SECONDS = 5.0
 _HIDDEN = frozenset({"start_type_description_service"})
@@ -122,18 +122,21 @@ class RemoteParameters:
         return sorted(changing)
 
 
-def parse_value(text: str) -> Any:
-    """Return the value that ``text`` means in YAML: true, 3, 0.5, [1.0, 2.0], word."""
-    try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError:
-        return text
+class _Dumper(yaml.SafeDumper):
+    """Puts a text into quotes wherever YAML 1.2 or 1.1 would take it for something else."""
+
+    def represent_text(self, data: str) -> yaml.ScalarNode:
+        return self.represent_scalar("tag:yaml.org,2002:str", data, style=None if parse_value(data) == data else '"')
+
+
+_Dumper.add_representer(str, _Dumper.represent_text)
 
 
 def to_parameter_file(values: Mapping[str, Mapping[str, Any]]) -> str:
     """Return a ROS parameter file: values by node and name, for nodes in any namespace."""
     tree = {f"/**/{node}": {"ros__parameters": dict(own)} for node, own in values.items()}
-    return yaml.safe_dump(tree, sort_keys=False, default_flow_style=None)
+    text: str = yaml.dump(tree, Dumper=_Dumper, sort_keys=False, default_flow_style=None)
+    return text
 
 
 def read_parameter_file(path: Path) -> dict[str, dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""All nodes of the graph in one process, on one executor: `ros2 run dp_tools composed`."""
+"""All nodes of the graph in one process, on one executor: `ros2 run dp_bringup composed`."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import importlib
 import sys
 from collections.abc import Callable
 
+from dp_bringup.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
 from dp_node import DpNode, run_nodes
-from dp_tools.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
 from marine_model.errors import DpError
 
 

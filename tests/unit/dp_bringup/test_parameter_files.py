@@ -12,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcl_interfaces.msg import ParameterType
 
-from dp_tools.parameter_service import _fit, parse_value, read_parameter_file, to_parameter_file
+from dp_bringup.parameter_service import _fit, read_parameter_file, to_parameter_file
 from marine_model.errors import DocumentError
+from marine_model.yaml_document import parse_value
 
 NAMES = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True)
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)

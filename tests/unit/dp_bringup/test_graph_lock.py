@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from dp_tools.graph_lock import graph_lock
+from dp_bringup.graph_lock import graph_lock
 
 
 def test_the_second_is_refused_until_the_first_ends(tmp_path: Path) -> None:
@@ -25,7 +25,7 @@ def test_the_second_is_refused_until_the_first_ends(tmp_path: Path) -> None:
 
 def test_the_kernel_drops_the_lock_of_a_process_that_dies(tmp_path: Path) -> None:
     program = (
-        "import os, pathlib, sys; from dp_tools.graph_lock import graph_lock\n"
+        "import os, pathlib, sys; from dp_bringup.graph_lock import graph_lock\n"
         "with graph_lock('1', '', pathlib.Path(sys.argv[1])) as free: os._exit(10 + free)"
     )
     assert subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=False).returncode == 11

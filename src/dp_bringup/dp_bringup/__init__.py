@@ -1,0 +1,1 @@
+"""Brings the graph up: its processes, who is there, and the parameters they have."""
