@@ -49,6 +49,20 @@ class Operator:
         self.watch = watch
         self.executor = RingExecutor(context=node.context)
         self.executor.add_node(node)
+        self._others: list[Node] = []
+
+    def make_node(self, name: str) -> Node:
+        """Return another node in the same namespace, spun and closed together with this one."""
+        node = rclpy.create_node(name, context=self.node.context, namespace=self.node.get_namespace())
+        self._others.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def close(self) -> None:
+        """Give everything back."""
+        self.executor.shutdown()
+        for node in (*self._others, self.node):
+            node.destroy_node()
 
     def wait_until(self, condition: Callable[[], bool], seconds: float | None, what: str) -> None:
         """Spin until ``condition`` holds.
@@ -122,6 +136,5 @@ def operator(namespace: str = "") -> Iterator[Operator]:
     try:
         yield one
     finally:
-        one.executor.shutdown()
-        node.destroy_node()
+        one.close()
         rclpy.try_shutdown(context=context)

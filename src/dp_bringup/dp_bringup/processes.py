@@ -8,7 +8,7 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import IO
 
@@ -25,7 +25,7 @@ class ChildDiedError(DpError):
 class Child:
     """One process, its output kept in a log file and its last lines at hand."""
 
-    def __init__(self, name: str, command: Sequence[str | Path], log_file: Path) -> None:
+    def __init__(self, name: str, command: Sequence[str | Path], log_file: Path, again: bool = False) -> None:
         self.name = name
         self._tail: collections.deque[str] = collections.deque(maxlen=_TAIL_LINES)
         self._process = subprocess.Popen(
@@ -41,7 +41,7 @@ class Child:
             env=os.environ | {PARENT_VARIABLE: str(os.getpid()), "PYTHONUNBUFFERED": "1"},
         )
         self.log_file = log_file
-        self._log = log_file.open("w", encoding="utf-8")
+        self._log = log_file.open("a" if again else "w", encoding="utf-8")
         stream = self._process.stdout
         if stream is None:
             raise ChildDiedError(f"{name}: no output pipe")
@@ -107,9 +107,9 @@ class Children:
         self._children: list[Child] = []
         log_folder.mkdir(parents=True, exist_ok=True)
 
-    def start(self, name: str, command: Sequence[str | Path]) -> Child:
-        """Start a process."""
-        child = Child(name, command, self._folder / f"{name}.log")
+    def start(self, name: str, command: Sequence[str | Path], again: bool = False) -> Child:
+        """Start a process; ``again`` goes on in the log of one of the same name."""
+        child = Child(name, command, self._folder / f"{name}.log", again)
         self._children.append(child)
         return child
 
@@ -123,9 +123,11 @@ class Children:
         """Processes that have not ended."""
         return tuple(child for child in self._children if child.exit_code is None)
 
-    def check(self) -> None:
-        """Raise ChildDiedError if a process has ended by itself."""
+    def check(self, leave_out: Collection[Child] = ()) -> None:
+        """Raise ChildDiedError if a process has ended by itself; somebody else looks after those left out."""
         for child in self._children:
+            if child in leave_out:
+                continue
             code = child.exit_code
             if code is not None:
                 raise ChildDiedError(f"{child.name} ended by itself ({explain_exit(code)}), {child.last_words()}")

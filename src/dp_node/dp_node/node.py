@@ -12,6 +12,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 
 from dp_node.health import Health, Level, to_status
+from dp_node.life_cycle import refuse_impossible_transitions
 from dp_node.parameters import SettingsParameters
 from dp_node.quality import RING, RING_PUBLISHER
 from marine_model import Vessel, load_vessel
@@ -44,6 +45,7 @@ class DpNode(LifecycleNode, Generic[S]):
 
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
+        refuse_impossible_transitions(self)
         self.vessel: Vessel = load_vessel(self.structural("vessel", "cybership3", "Name or path of the vessel file"))
         self.autostart: bool = self.structural("autostart", True, "Configure and activate without being told to")
         self.ignored = 0  # messages that came while the node was not active
@@ -95,6 +97,11 @@ class DpNode(LifecycleNode, Generic[S]):
         """True between activation and deactivation."""
         return self._active
 
+    @property
+    def acts(self) -> bool:
+        """Whether messages are acted on: while the node is active."""
+        return self._active
+
     def structural(self, name: str, default: Any, description: str) -> Any:
         """Declare a read-only parameter and return its value."""
         kinds = {
@@ -105,8 +112,12 @@ class DpNode(LifecycleNode, Generic[S]):
         descriptor = ParameterDescriptor(name=name, type=kinds[type(default)], description=description, read_only=True)
         return self.declare_parameter(name, default, descriptor).value
 
-    def publish_on(self, kind: Any, topic: str, quality: QoSProfile = RING_PUBLISHER) -> Publisher:
-        """Return a publisher that is silent while the node is not active."""
+    def publish_on(
+        self, kind: Any, topic: str, quality: QoSProfile = RING_PUBLISHER, *, when_inactive: bool = False
+    ) -> Publisher:
+        """Return a publisher that is silent while the node is not active, unless ``when_inactive`` is true."""
+        if when_inactive:
+            return self.create_publisher(kind, topic, quality)
         return self.create_lifecycle_publisher(kind, topic, quality)
 
     @property
@@ -118,7 +129,7 @@ class DpNode(LifecycleNode, Generic[S]):
         """Subscribe ``callback``, guarded: it runs while active, and its InputError is reported and counted."""
 
         def guarded(message: Any) -> None:
-            if not self._active:
+            if not self.acts:
                 self.ignored += 1
                 return
             try:

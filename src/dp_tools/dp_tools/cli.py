@@ -8,6 +8,7 @@ from dp_tools.commands.open_water import open_water_app
 from dp_tools.commands.parameters import parameters_app
 from dp_tools.commands.propeller import propeller
 from dp_tools.commands.report import report
+from dp_tools.commands.restart import restart
 from dp_tools.commands.root import app, main
 from dp_tools.commands.scenarios import scenario_app
 from dp_tools.commands.topics import topics
@@ -17,6 +18,7 @@ from dp_tools.commands.vessels import vessel_app
 app.command()(up)
 app.command()(report)
 app.command()(topics)
+app.command()(restart)
 app.command()(design)
 app.command()(propeller)
 app.command()(detection)

@@ -15,6 +15,7 @@ _MEANING = {
     Status.DEMAND_NOT_FINITE: Level.WARN,
     Status.NO_THRUSTER: Level.ERROR,
     Status.HOLD: Level.ERROR,
+    Status.DEACTIVATED: Level.WARN,
 }
 # A demand on the boundary of the attainable set has a margin of 1 but for rounding, and so has a gain at its limit.
 _ROUNDING = 1e-6

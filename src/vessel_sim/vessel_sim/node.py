@@ -64,6 +64,20 @@ class NodeSettings(SimulatorSettings):
     lockstep_timeout: float = setting(
         5.0, "Wall time without an answer after which lockstep says what is missing", unit="s", ge=0.1
     )
+    start_time: float = setting(
+        0.0,
+        "Simulated time at which it begins when configured; vessel, sea and wind begin anew in any case",
+        unit="s",
+        ge=0.0,
+        le=1e9,
+    )
+    setpoint_timeout: float = setting(
+        1.0,
+        "Simulated time without an actuator_setpoint after which a motor drive takes its torque and azimuth rate away; "
+        "0 for never; not in lockstep, where time waits for the set point",
+        unit="s",
+        ge=0.0,
+    )
 
     @model_validator(mode="after")
     def _time_goes_on(self) -> Self:
@@ -99,8 +113,13 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._time_step = vessel.simulation.time_step
         self._step_ns = round(self._time_step * 1e9)
         self._control_every = round(vessel.measurement.sample_time / self._time_step)
-        self._tick = 0
-        self._inputs = SimulatorInputs(*(finite_vector("zero", [0.0] * self._n, self._n) for _ in range(2)))
+        # At a control sample: the first thing that is sent is a pose.
+        self._tick = math.ceil(self.settings.start_time / vessel.measurement.sample_time) * self._control_every
+        self._inputs = self._rest = SimulatorInputs(
+            *(finite_vector("zero", [0.0] * self._n, self._n) for _ in range(2))
+        )
+        self._fed = self._tick  # when the set point in force came
+        self._drives_cut = 0
         self._phase = Phase.GRAPH if self.settings.lockstep else Phase.PACED
         self._sightings = 0
         self._waiting_since = 0.0
@@ -203,10 +222,21 @@ class VesselSimNode(DpNode[NodeSettings]):
 
     def _step(self) -> None:
         """One step of the core on the set point in force."""
+        if not self.settings.lockstep:
+            self._watch_drives()
         self._simulator.step(self._inputs, self._time_step)
         self._tick += 1
         self._clock_message.clock = from_nanoseconds(self._now_ns)
         self._publish_clock.publish(self._clock_message)
+
+    def _watch_drives(self) -> None:
+        """Take torque and azimuth rate away once set points have stopped, as the watchdog of a motor drive does."""
+        timeout = self.settings.setpoint_timeout
+        if timeout == 0.0 or self._inputs is self._rest or (self._tick - self._fed) * self._time_step <= timeout:
+            return
+        self._inputs = self._rest
+        self._drives_cut += 1
+        self.get_logger().warning(f"no actuator_setpoint for {timeout:g} s: drives without torque and azimuth rate")
 
     # Lockstep -------------------------------------------------------------------------------------------------------
 
@@ -248,6 +278,7 @@ class VesselSimNode(DpNode[NodeSettings]):
             )
         self._answered = (stamp, command_stamp)
         self._inputs = SimulatorInputs(torque, rate, pitch)
+        self._fed = self._tick
         if self._phase is Phase.COMMAND:
             if command_stamp >= now:
                 self._ask_drivers()
@@ -321,6 +352,7 @@ class VesselSimNode(DpNode[NodeSettings]):
             "rate": self.settings.rate,
             "poses": self._poses,
             "poses_lost": self._poses_lost,
+            "drives_cut": self._drives_cut,
         }
         if achieved is not None:
             values["rate_achieved"] = achieved
