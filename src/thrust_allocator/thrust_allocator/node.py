@@ -82,13 +82,11 @@ class AllocatorNode(RingNode[AllocatorSettings]):
     def health(self) -> Health:
         """Return status of the last answer, counts of fall-backs, what limits it, and solve times."""
         waiting, missing = "", self._room.waits_for(self._needed())
-        if self._waiting:
-            waiting = "no thruster_feedback yet: demands are refused"
-        elif missing:
-            waiting = f"tau_desired waits for {' and '.join(missing)}"
+        if missing:
+            waiting = " and ".join(missing)
             if VENTILATION in missing and not self.count_publishers(VENTILATION):
                 waiting += ", which nobody publishes"
-        health = health_of(self._tally, self.settings, self.vessel, waiting)
+        health = health_of(self._tally, self.settings, self.vessel, waiting, self._waiting)
         self._tally.reported()
         return health
 
@@ -236,7 +234,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._publish(stamp, result)
         self._azimuth = result.azimuth
         before = Status.OPTIMAL if self._tally.last is None else self._tally.last.status
-        self._tally.add(result, self.settings.solver)
+        self._tally.add(result, self.settings.solver, dt)
         if result.status is not before:
             self._report(result)
 
