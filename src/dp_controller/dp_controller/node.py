@@ -18,7 +18,6 @@ from dp_controller.settings import ControllerSettings, check_settings
 from dp_controller.signals import ControllerInputs, ControllerOutput
 from dp_controller.timed_path import TimedPath
 from dp_node import (
-    RING,
     AnswerGate,
     Health,
     Inbox,
@@ -77,10 +76,9 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._statuses = self.publish_on(ControllerStatus, "controller_status")
         self.listen(Odometry, "odometry", self._on_odometry)
         self.listen(WrenchStamped, "tau_achieved", self._on_achieved)
-        # Whoever operates may publish volatile, and would not be heard in lockstep otherwise.
-        self.listen(PoseStamped, "setpoint", self._on_setpoint, RING)
-        self.listen(WrenchStamped, "joystick", self._on_joystick, RING)
-        self.listen(Path, "path", self._on_path, RING)
+        self.listen(PoseStamped, "setpoint", self._on_setpoint)
+        self.listen(WrenchStamped, "joystick", self._on_joystick)
+        self.listen(Path, "path", self._on_path)
         self._hears_wind = False
         self._hear()
 

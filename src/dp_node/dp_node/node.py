@@ -9,11 +9,13 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
 
-from dp_node.health import Health, Level, to_status
+from dp_node.common_health import NodeCounts, health_of
+from dp_node.health import Health, to_status
 from dp_node.parameters import SettingsParameters
-from dp_node.quality import RING, RING_PUBLISHER
+from dp_node.quality import Promise, offered, requested
+from dp_node.quality_events import QualityEvents
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
 from marine_model.settings import Settings
@@ -46,6 +48,19 @@ class DpNode(LifecycleNode, Generic[S]):
         super().__init__(name, **kwargs)
         self.vessel: Vessel = load_vessel(self.structural("vessel", "cybership3", "Name or path of the vessel file"))
         self.autostart: bool = self.structural("autostart", True, "Configure and activate without being told to")
+        self._promise = Promise(
+            self.structural(
+                "input_lease",
+                0.0,
+                "Wall time without a sign of life after which a node of the ring counts as gone, 2 or more; 0: never",
+            ),
+            self.structural(
+                "input_deadline",
+                0.0,
+                "Wall time in which messages within the ring have to follow each other, for all its nodes; 0: any",
+            ),
+        )
+        self._quality_events = QualityEvents()
         self.ignored = 0  # messages that came while the node was not active
         self._refused = 0
         self._last_refusal = ""
@@ -53,7 +68,8 @@ class DpNode(LifecycleNode, Generic[S]):
         self._active = False
         self._failure: Exception | None = None
         self._parameters_bound = SettingsParameters(self, self.default_settings(self.vessel), self.check, self._apply)
-        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", RING_PUBLISHER)
+        quality = offered("/diagnostics", self._promise)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", quality)
         self.create_timer(_DIAGNOSTICS_PERIOD, self.publish_diagnostics)
 
     # What a subclass provides ---------------------------------------------------------------------------------------
@@ -105,17 +121,28 @@ class DpNode(LifecycleNode, Generic[S]):
         descriptor = ParameterDescriptor(name=name, type=kinds[type(default)], description=description, read_only=True)
         return self.declare_parameter(name, default, descriptor).value
 
-    def publish_on(self, kind: Any, topic: str, quality: QoSProfile = RING_PUBLISHER) -> Publisher:
+    def publish_on(self, kind: Any, topic: str) -> Publisher:
         """Return a publisher that is silent while the node is not active."""
-        return self.create_lifecycle_publisher(kind, topic, quality)
+        made: Publisher
+
+        def misfits() -> int:
+            return int(self.count_subscribers(topic) - made.get_subscription_count())
+
+        events = self._quality_events.publisher(topic, misfits)
+        made = self.create_lifecycle_publisher(kind, topic, offered(topic, self._promise), event_callbacks=events)
+        return made
 
     @property
-    def hearing(self) -> QoSProfile:
-        """Quality with which this node listens, unless :meth:`listen` is told another."""
-        return RING
+    def in_lockstep(self) -> bool:
+        """Whether this node asks for what was sent before it was known, operator inputs apart."""
+        return False
 
-    def listen(self, kind: Any, topic: str, callback: Callable[[Any], None], quality: QoSProfile | None = None) -> None:
+    def listen(self, kind: Any, topic: str, callback: Callable[[Any], None]) -> None:
         """Subscribe ``callback``, guarded: it runs while active, and its InputError is reported and counted."""
+        made: Subscription
+
+        def misfits() -> int:
+            return int(self.count_publishers(topic) - made.get_publisher_count())
 
         def guarded(message: Any) -> None:
             if not self._active:
@@ -126,7 +153,10 @@ class DpNode(LifecycleNode, Generic[S]):
             except InputError as error:
                 self.refuse(str(error))
 
-        self.create_subscription(kind, topic, guarded, quality or self.hearing)
+        quality, events = requested(topic, self.in_lockstep, self._promise), self._quality_events
+        made = self.create_subscription(
+            kind, topic, guarded, quality, event_callbacks=events.subscription(topic, misfits)
+        )
 
     def refuse(self, reason: str) -> None:
         """Count and report an input that was refused."""
@@ -196,6 +226,7 @@ class DpNode(LifecycleNode, Generic[S]):
 
     def _give_back(self) -> None:
         """Destroy what build made."""
+        self._quality_events.forget()
         publishers, subscriptions, timers, services = self._before
         for publisher in set(self.publishers) - publishers:
             self.destroy_lifecycle_publisher(publisher)
@@ -225,19 +256,16 @@ class DpNode(LifecycleNode, Generic[S]):
 
     def publish_diagnostics(self) -> None:
         """Publish the health of this node on /diagnostics."""
-        label = self._state_machine.current_state[1]
-        own = Health(
-            values={
-                "state": label,
-                "refused_inputs": self._refused,
-                "ignored_inputs": self.ignored,
-                "last_refusal": self._last_refusal,
-            }
+        refused, self._refusals_reported = self._refused - self._refusals_reported, self._refused
+        counts = NodeCounts(
+            state=self._state_machine.current_state[1],
+            refused=self._refused,
+            fresh_refused=refused,
+            last_refusal=self._last_refusal,
+            ignored=self.ignored,
+            quality=tuple(self._quality_events.report()),
         )
-        if self._refused > self._refusals_reported:
-            self._refusals_reported = self._refused
-            own = Health(Level.WARN, f"refused: {self._last_refusal}", own.values)
-        core = self.health() if self._built else Health(Level.WARN, label)
-        message = DiagnosticArray(status=[to_status(self.get_fully_qualified_name().lstrip("/"), core.worse_of(own))])
+        health = health_of(counts, self.health() if self._built else Health())
+        message = DiagnosticArray(status=[to_status(self.get_fully_qualified_name().lstrip("/"), health)])
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)

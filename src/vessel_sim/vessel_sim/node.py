@@ -14,10 +14,9 @@ from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from pydantic import model_validator
-from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
-from dp_node import RING, RING_LOCKSTEP, DpNode, Health, from_nanoseconds, run_node, to_nanoseconds
+from dp_node import DpNode, Health, from_nanoseconds, run_node, to_nanoseconds
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
@@ -87,9 +86,9 @@ class VesselSimNode(DpNode[NodeSettings]):
         check_settings(settings, self.vessel)
 
     @property
-    def hearing(self) -> QoSProfile:
+    def in_lockstep(self) -> bool:
         """Answers sent before the drivers knew this node as well, in lockstep: it waits for each of them."""
-        return RING_LOCKSTEP if self.settings.lockstep else RING
+        return self.settings.lockstep
 
     def build(self) -> None:
         """Make the core at simulated time 0, and its topics."""
