@@ -50,7 +50,7 @@ class ControllerNode(RingNode[ControllerSettings]):
     def _begin(self) -> None:
         self._core = Controller(self.vessel, self.settings)
         self._gate = AnswerGate(self.synchronous)
-        self._stamps = StampSequence("odometry")
+        self._stamps = StampSequence("odometry", self.vessel.measurement.sample_time)
         self._operator_stamps: dict[str, int] = {}
         self._acted: int | None = None
         self._achieved: tuple[int | None, FloatArray] = (None, _NOTHING)
@@ -76,7 +76,7 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._begin()
         self._demands = self.publish_on(WrenchStamped, "tau_desired")
         self._statuses = self.publish_on(ControllerStatus, "controller_status")
-        self.listen(Odometry, "odometry", self._on_odometry)
+        self.listen(Odometry, "odometry", self._on_odometry, exclusive=True)
         self.listen(WrenchStamped, "tau_achieved", self._on_achieved)
         # Whoever operates may publish volatile, and would not be heard in lockstep otherwise.
         self.listen(PoseStamped, "setpoint", self._on_setpoint, RING)
@@ -232,6 +232,7 @@ class ControllerNode(RingNode[ControllerSettings]):
             self._answer(stamp)
 
     def _set_setpoint(self, message: Any, stamp: int) -> None:
+        self._stamps.check_ahead("set point", stamp)
         self._core.set_setpoint(_pose("set point", message.pose))
         self._setpoint_stamp = stamp
 
@@ -241,6 +242,7 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._joystick_stamp = stamp
 
     def _set_path(self, message: Any, stamp: int) -> None:
+        self._stamps.check_ahead("path", stamp)
         if self._acted is not None:
             self._core.set_path(*_timed_poses(message, self._acted, self._core.time))
         else:

@@ -11,9 +11,11 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 
+from dp_node.exclusive import ExclusiveInput, Peer
 from dp_node.health import Health, Level, to_status
 from dp_node.parameters import SettingsParameters
 from dp_node.quality import RING, RING_PUBLISHER
+from dp_node.stamps import SourceRestartError
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
 from marine_model.settings import Settings
@@ -46,6 +48,14 @@ class DpNode(LifecycleNode, Generic[S]):
         super().__init__(name, **kwargs)
         self.vessel: Vessel = load_vessel(self.structural("vessel", "cybership3", "Name or path of the vessel file"))
         self.autostart: bool = self.structural("autostart", True, "Configure and activate without being told to")
+        self._exclusive: bool = self.structural(
+            "exclusive_inputs",
+            True,
+            "Where an input has one publisher by design, messages of a second one are refused, not only reported",
+        )
+        self._exclusive_inputs: dict[str, ExclusiveInput] = {}
+        self._intrusions_reported = 0
+        self._began_anew = ""  # why the node began anew since the last diagnostics
         self.ignored = 0  # messages that came while the node was not active
         self._refused = 0
         self._last_refusal = ""
@@ -114,8 +124,21 @@ class DpNode(LifecycleNode, Generic[S]):
         """Quality with which this node listens, unless :meth:`listen` is told another."""
         return RING
 
-    def listen(self, kind: Any, topic: str, callback: Callable[[Any], None], quality: QoSProfile | None = None) -> None:
-        """Subscribe ``callback``, guarded: it runs while active, and its InputError is reported and counted."""
+    def listen(
+        self,
+        kind: Any,
+        topic: str,
+        callback: Callable[[Any], None],
+        quality: QoSProfile | None = None,
+        *,
+        exclusive: bool = False,
+    ) -> None:
+        """Subscribe ``callback``, guarded: it runs while active, and its InputError is reported and counted.
+
+        Where it finds that the source of the topic began anew (SourceRestartError), the node begins anew as at
+        activation, and the message is the first. An ``exclusive`` topic has one publisher by design; see
+        :class:`ExclusiveInput`.
+        """
 
         def guarded(message: Any) -> None:
             if not self._active:
@@ -123,10 +146,39 @@ class DpNode(LifecycleNode, Generic[S]):
                 return
             try:
                 callback(message)
+            except SourceRestartError as error:
+                self._begin_anew(str(error))
+                guarded(message)  # a sequence that was reset does not find so again
             except InputError as error:
                 self.refuse(str(error))
 
-        self.create_subscription(kind, topic, guarded, quality or self.hearing)
+        if not exclusive:
+            self.create_subscription(kind, topic, guarded, quality or self.hearing)
+            return
+
+        def from_one(message: Any, info: Any) -> None:
+            if guard.passes(info["publication_sequence_number"], info["received_timestamp"]) or not self._exclusive:
+                guarded(message)
+
+        subscription = self.create_subscription(kind, topic, from_one, quality or self.hearing)
+        guard = ExclusiveInput(
+            subscription.get_publisher_count,
+            lambda: self._peers(subscription.topic_name),
+            round(self.vessel.drivers.command_timeout * 1e9),
+        )
+        self._exclusive_inputs[topic] = guard
+
+    def _peers(self, topic: str) -> list[Peer]:
+        return [
+            Peer(tuple(info.endpoint_gid), f"{info.node_namespace.rstrip('/')}/{info.node_name}".lstrip("/"))
+            for info in self.get_publishers_info_by_topic(topic)
+        ]
+
+    def _begin_anew(self, reason: str) -> None:
+        """Forget what was made of a source that has no past any more."""
+        self._began_anew = reason
+        self.get_logger().warning(f"{reason}; this node begins anew as well")
+        self.started()
 
     def refuse(self, reason: str) -> None:
         """Count and report an input that was refused."""
@@ -205,6 +257,7 @@ class DpNode(LifecycleNode, Generic[S]):
             self.destroy_timer(timer)
         for service in set(self.services) - services:
             self.destroy_service(service)
+        self._exclusive_inputs.clear()
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop acting on messages for good."""
@@ -237,7 +290,28 @@ class DpNode(LifecycleNode, Generic[S]):
         if self._refused > self._refusals_reported:
             self._refusals_reported = self._refused
             own = Health(Level.WARN, f"refused: {self._last_refusal}", own.values)
+        own = self._intrusions().worse_of(own)
+        if self._began_anew:
+            own = own.worse_of(Health(Level.WARN, self._began_anew))
+            self._began_anew = ""
         core = self.health() if self._built else Health(Level.WARN, label)
         message = DiagnosticArray(status=[to_status(self.get_fully_qualified_name().lstrip("/"), core.worse_of(own))])
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)
+
+    def _intrusions(self) -> Health:
+        """Return what is to be said of publishers that do not belong."""
+        refused = sum(guard.refused for guard in self._exclusive_inputs.values())
+        sending, self._intrusions_reported = refused > self._intrusions_reported, refused
+        health = Health(values={"refused_of_others": refused})
+        for topic, guard in self._exclusive_inputs.items():
+            intruders = guard.intruders()
+            if not intruders and not (sending and guard.refused):
+                continue
+            text = f"more than one publisher of {topic}: {', '.join([guard.established or 'unknown', *intruders])}"
+            if guard.undistinguished:
+                text += ", which cannot be told apart: all are refused" if self._exclusive else ""
+            elif self._exclusive:
+                text += f"; heard is {guard.established or 'who came first'}, of others {guard.refused} were refused"
+            health = health.worse_of(Health(Level.ERROR, text))
+        return health
