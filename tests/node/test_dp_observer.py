@@ -13,6 +13,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped, WrenchStamped
 from nav_msgs.msg import Odometry
 
 from dp_node import DpNode, from_nanoseconds, to_nanoseconds
+from dp_node.stamps import BELIEVED
 from dp_observer import Observer, ObserverInputs, ObserverSettings
 from dp_observer.node import ObserverNode
 from marine_model import load_vessel
@@ -243,7 +244,8 @@ def test_watchdog_goes_on_when_no_pose_comes(watched: ObserverBench) -> None:
     assert all(state.status == "dead_reckoning" for state in watched.state[count:])
     # One that is newer than anything published is answered as usual.
     newer = START + 1000 * SAMPLE
-    watched.send(newer, [1.0, 0.0, 0.0])
+    for k in range(BELIEVED):  # one alone that is so far ahead is not believed
+        watched.send(newer + k * SAMPLE, [1.0, 0.0, 0.0])
     watched.bench.wait_until(lambda: to_nanoseconds(watched.odometry[-1].header.stamp) >= newer)
     stamps = [to_nanoseconds(message.header.stamp) for message in watched.odometry]
     assert stamps == sorted(set(stamps))

@@ -109,7 +109,7 @@ def test_time_step_is_the_difference_of_stamps_and_limited_after_a_gap(start: An
     stamp = START
     expected.step(TAU, 0.2)
     bench.ask(stamp)
-    for dt in (0.1, 0.25, 30.0):
+    for dt in (0.1, 0.25, 1.0):
         stamp += round(dt * 1e9)
         tau = (60.0, 0.0, 0.0)
         command, _, _ = bench.ask(stamp, tau)

@@ -49,7 +49,7 @@ class ControllerNode(RingNode[ControllerSettings]):
     def _begin(self) -> None:
         self._core = Controller(self.vessel, self.settings)
         self._gate = AnswerGate(self.synchronous)
-        self._stamps = StampSequence("odometry")
+        self._stamps = StampSequence("odometry", self.vessel.measurement.sample_time)
         self._operator_stamps: dict[str, int] = {}
         self._acted: int | None = None
         self._achieved: tuple[int | None, FloatArray] = (None, _NOTHING)
@@ -74,7 +74,7 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._begin()
         self._demands = self.publish_on(WrenchStamped, "tau_desired")
         self._statuses = self.publish_on(ControllerStatus, "controller_status")
-        self.listen(Odometry, "odometry", self._on_odometry)
+        self.listen(Odometry, "odometry", self._on_odometry, exclusive=True)
         self.listen(WrenchStamped, "tau_achieved", self._on_achieved)
         self.listen(PoseStamped, "setpoint", self._on_setpoint)
         self.listen(WrenchStamped, "joystick", self._on_joystick)
@@ -214,6 +214,7 @@ class ControllerNode(RingNode[ControllerSettings]):
             self._answer(stamp)
 
     def _set_setpoint(self, message: Any, stamp: int) -> None:
+        self._stamps.check_ahead("set point", stamp)
         self._core.set_setpoint(_pose("set point", message.pose))
         self._setpoint_stamp = stamp
 
@@ -223,6 +224,7 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._joystick_stamp = stamp
 
     def _set_path(self, message: Any, stamp: int) -> None:
+        self._stamps.check_ahead("path", stamp)
         if self._acted is not None:
             self._core.set_path(*_timed_poses(message, self._acted, self._core.time))
         else:

@@ -115,6 +115,11 @@ ALARMS = _table(
         "messages were lost before they were taken",
         "Reduce the load of the machine or of the network.",
     ),
+    _error(
+        "NODE-SECOND-PUBLISHER",
+        "an input that has one publisher by design has a second one",
+        "Stop the one that does not belong.",
+    ),
     # Observer
     _warn("OBSERVER-NO-FIX-YET", "no position fix yet", "See whether the position reference runs and has a fix."),
     _warn(
@@ -148,7 +153,6 @@ ALARMS = _table(
         "no tau_achieved: the estimate knows of no thrust",
         "See whether the allocator runs.",
     ),
-    _error("OBSERVER-SECOND-PUBLISHER", "an input has a second publisher", "Stop the one that does not belong."),
     # Controller
     _warn("CONTROLLER-NO-ODOMETRY", "no odometry: no tau_desired", "See whether the observer runs."),
     _error(
@@ -192,7 +196,6 @@ ALARMS = _table(
         "heading error above heading_alarm",
         "See the margin of the thrusters; give a heading that can be held.",
     ),
-    _error("CONTROLLER-SECOND-PUBLISHER", "an input has a second publisher", "Stop the one that does not belong."),
     # Allocator
     _warn("ALLOCATOR-NO-DEMAND", "no tau_desired: no thruster_command", "See whether the controller runs."),
     _warn(
@@ -281,7 +284,6 @@ ALARMS = _table(
         "singularity avoidance is locked",
         "Set singularity.release on, or change azimuth_mode for a while.",
     ),
-    _error("ALLOCATOR-SECOND-PUBLISHER", "an input has a second publisher", "Stop the one that does not belong."),
     # Drivers
     _warn("DRIVERS-NO-COMMAND", "no thruster_command yet: no thrust", "See whether the allocator runs."),
     _warn(
@@ -305,7 +307,6 @@ ALARMS = _table(
         "propellers draw air",
         "None if anti-spin is on; else switch antispin.enabled on, or change heading.",
     ),
-    _error("DRIVERS-SECOND-PUBLISHER", "an input has a second publisher", "Stop the one that does not belong."),
     # Simulator
     _warn(
         "SIMULATOR-CANNOT-KEEP-UP",
@@ -327,7 +328,6 @@ ALARMS = _table(
         "measurements of position are being lost",
         "None if a fault is simulated on purpose.",
     ),
-    _error("SIMULATOR-SECOND-PUBLISHER", "an input has a second publisher", "Stop the one that does not belong."),
     # Recorder
     _warn("RECORDER-MESSAGES-LOST", "messages lost", "Record fewer topics, or free the processor and the disk."),
     _error("RECORDER-DISK-FULL", "the disk is full: recording has stopped", "Free the disk and record anew."),

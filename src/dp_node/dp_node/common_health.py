@@ -22,7 +22,9 @@ class NodeCounts:
         Why the last one was refused.
     ignored
         Messages that came while the node was not active.
-    quality
+    refused_of_others
+        Messages that were not those of the one publisher that a topic has by design.
+    topics
         Alarms of its topics.
     """
 
@@ -31,7 +33,8 @@ class NodeCounts:
     fresh_refused: int
     last_refusal: str
     ignored: int
-    quality: tuple[Alarm, ...] = ()
+    refused_of_others: int = 0
+    topics: tuple[Alarm, ...] = ()
 
 
 def health_of(counts: NodeCounts, core: Health) -> Health:
@@ -42,6 +45,7 @@ def health_of(counts: NodeCounts, core: Health) -> Health:
         "refused_inputs": counts.refused,
         "ignored_inputs": counts.ignored,
         "last_refusal": counts.last_refusal,
+        "refused_of_others": counts.refused_of_others,
     }
     own: list[Alarm] = []
     active = counts.state == "active"
@@ -49,6 +53,6 @@ def health_of(counts: NodeCounts, core: Health) -> Health:
         own.append(raised("NODE-NOT-ACTIVE", counts.state))
     if counts.fresh_refused:
         own.append(raised("NODE-INPUT-REFUSED", counts.last_refusal))
-    own += counts.quality
+    own += counts.topics
     mine = health_with(own, values)
     return core.worse_of(mine) if active else mine

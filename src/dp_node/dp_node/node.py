@@ -11,11 +11,15 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
+from dp_node.alarms import raised
 from dp_node.common_health import NodeCounts, health_of
+from dp_node.exclusive import Peer
+from dp_node.exclusive_inputs import ExclusiveInputs
 from dp_node.health import Health, to_status
 from dp_node.parameters import SettingsParameters
 from dp_node.quality import Promise, offered, requested
 from dp_node.quality_events import QualityEvents
+from dp_node.stamps import SourceRestartError
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
 from marine_model.settings import Settings
@@ -61,6 +65,14 @@ class DpNode(LifecycleNode, Generic[S]):
             ),
         )
         self._quality_events = QualityEvents()
+        self._exclusive = ExclusiveInputs(
+            self.structural(
+                "exclusive_inputs",
+                True,
+                "Where an input has one publisher by design, messages of a second one are refused, not only reported",
+            )
+        )
+        self._began_anew = ""  # why the node began anew since the last diagnostics
         self.ignored = 0  # messages that came while the node was not active
         self._refused = 0
         self._last_refusal = ""
@@ -137,8 +149,13 @@ class DpNode(LifecycleNode, Generic[S]):
         """Whether this node asks for what was sent before it was known, operator inputs apart."""
         return False
 
-    def listen(self, kind: Any, topic: str, callback: Callable[[Any], None]) -> None:
-        """Subscribe ``callback``, guarded: it runs while active, and its InputError is reported and counted."""
+    def listen(self, kind: Any, topic: str, callback: Callable[[Any], None], *, exclusive: bool = False) -> None:
+        """Subscribe ``callback``, guarded: it runs while active, and its InputError is reported and counted.
+
+        Where it finds that the source of the topic began anew (SourceRestartError), the node begins anew as at
+        activation, and the message is the first. An ``exclusive`` topic has one publisher by design; see
+        :class:`ExclusiveInput`.
+        """
         made: Subscription
 
         def misfits() -> int:
@@ -150,13 +167,40 @@ class DpNode(LifecycleNode, Generic[S]):
                 return
             try:
                 callback(message)
+            except SourceRestartError as error:
+                self._begin_anew(str(error))
+                guarded(message)  # a sequence that was reset does not find so again
             except InputError as error:
                 self.refuse(str(error))
 
-        quality, events = requested(topic, self.in_lockstep, self._promise), self._quality_events
+        def from_one(message: Any, info: Any) -> None:
+            if passes(info["publication_sequence_number"], info["received_timestamp"]):
+                guarded(message)
+
         made = self.create_subscription(
-            kind, topic, guarded, quality, event_callbacks=events.subscription(topic, misfits)
+            kind,
+            topic,
+            from_one if exclusive else guarded,
+            requested(topic, self.in_lockstep, self._promise),
+            event_callbacks=self._quality_events.subscription(topic, misfits),
         )
+        if exclusive:
+            patience = round(self.vessel.drivers.command_timeout * 1e9)
+            passes = self._exclusive.add(
+                topic, made.get_publisher_count, lambda: self._peers(made.topic_name), patience
+            )
+
+    def _peers(self, topic: str) -> list[Peer]:
+        return [
+            Peer(tuple(info.endpoint_gid), f"{info.node_namespace.rstrip('/')}/{info.node_name}".lstrip("/"))
+            for info in self.get_publishers_info_by_topic(topic)
+        ]
+
+    def _begin_anew(self, reason: str) -> None:
+        """Forget what was made of a source that has no past any more."""
+        self._began_anew = reason
+        self.get_logger().warning(f"{reason}; this node begins anew as well")
+        self.started()
 
     def refuse(self, reason: str) -> None:
         """Count and report an input that was refused."""
@@ -236,6 +280,7 @@ class DpNode(LifecycleNode, Generic[S]):
             self.destroy_timer(timer)
         for service in set(self.services) - services:
             self.destroy_service(service)
+        self._exclusive.clear()
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop acting on messages for good."""
@@ -257,13 +302,18 @@ class DpNode(LifecycleNode, Generic[S]):
     def publish_diagnostics(self) -> None:
         """Publish the health of this node on /diagnostics."""
         refused, self._refusals_reported = self._refused - self._refusals_reported, self._refused
+        topics = [*self._quality_events.report(), *self._exclusive.report()]
+        if self._began_anew:
+            topics.append(raised("NODE-SOURCE-RESTARTED", self._began_anew))
+            self._began_anew = ""
         counts = NodeCounts(
             state=self._state_machine.current_state[1],
             refused=self._refused,
             fresh_refused=refused,
             last_refusal=self._last_refusal,
             ignored=self.ignored,
-            quality=tuple(self._quality_events.report()),
+            refused_of_others=self._exclusive.refused,
+            topics=tuple(topics),
         )
         health = health_of(counts, self.health() if self._built else Health())
         message = DiagnosticArray(status=[to_status(self.get_fully_qualified_name().lstrip("/"), health)])

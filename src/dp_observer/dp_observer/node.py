@@ -43,7 +43,7 @@ class ObserverNode(RingNode[ObserverSettings]):
         self._odometry = self.publish_on(Odometry, "odometry")
         self._state = self.publish_on(ObserverState, "observer_state")
         self._begin()
-        self.listen(PoseWithCovarianceStamped, "pose", self._on_pose)
+        self.listen(PoseWithCovarianceStamped, "pose", self._on_pose, exclusive=True)
         self.listen(WrenchStamped, "tau_achieved", self._on_tau)
         if not self.synchronous:
             self.create_timer(self._sample * 1e-9 / _LOOKS_PER_SAMPLE, self._watch)
@@ -67,8 +67,8 @@ class ObserverNode(RingNode[ObserverSettings]):
     def _begin(self) -> None:
         self._lookahead = Lookahead(Observer(self.vessel, self.settings), self._sample)
         self._gate = AnswerGate(self.synchronous)
-        self._pose_stamps = StampSequence("pose")
-        self._tau_stamps = StampSequence("tau_achieved")
+        self._pose_stamps = StampSequence("pose", self._sample * 1e-9)
+        self._tau_stamps = StampSequence("tau_achieved", self._sample * 1e-9)
         self._tau: FloatArray = np.zeros(3)
         self._due = 0  # ns of the node's clock: when the watchdog acts
         self._tally = Tally()
@@ -77,16 +77,16 @@ class ObserverNode(RingNode[ObserverSettings]):
     def _on_tau(self, message: Any) -> None:
         require_frame("tau_achieved", BODY_FRAME, message.header.frame_id)
         tau = to_tau(message)
-        self._tau_stamps.step(message.header.stamp, 0.0)
+        self._tau_stamps.follow(message.header.stamp)  # whether time began anew is for the poses to say
         self._tau = tau
         self._gate.answer(to_nanoseconds(message.header.stamp))
 
     def _on_pose(self, message: Any) -> None:
         require_frame("pose", MAP_FRAME, message.header.frame_id)
+        self._pose_stamps.step(message.header.stamp, 0.0)
         self._gate.submit(to_nanoseconds(message.header.stamp), partial(self._observe, message))
 
     def _observe(self, message: Any) -> None:
-        self._pose_stamps.step(message.header.stamp, 0.0)
         stamp = to_nanoseconds(message.header.stamp)
         self._tally.poses += 1
         if self._first_pose is None:

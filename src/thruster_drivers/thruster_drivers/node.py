@@ -50,7 +50,7 @@ class DriversNode(RingNode[DriverSettings]):
         self._ventilation_publisher = self.publish_on(Ventilation, "ventilation") if self._detects else None
         self._forget()
         self.listen(ThrusterFeedback, "thruster_feedback", self._on_feedback)
-        self.listen(ThrusterCommandMessage, "thruster_command", self._on_command)
+        self.listen(ThrusterCommandMessage, "thruster_command", self._on_command, exclusive=True)
 
     def apply(self, settings: DriverSettings) -> None:
         """Hand changed settings to the core."""
@@ -77,8 +77,9 @@ class DriversNode(RingNode[DriverSettings]):
         return health
 
     def _forget(self) -> None:
-        self._feedback_stamps = StampSequence("thruster_feedback")
-        self._command_stamps = StampSequence("thruster_command")
+        sample = self.vessel.measurement.sample_time
+        self._feedback_stamps = StampSequence("thruster_feedback", sample)
+        self._command_stamps = StampSequence("thruster_command", sample)
         self._command = ThrusterCommand(self._none, self._none, ())
         self._torque = self._azimuth_rate = self._none
         self._pitch_ratio = self.vessel.pitch_ratio
@@ -87,7 +88,7 @@ class DriversNode(RingNode[DriverSettings]):
     def _on_command(self, message: Any) -> None:
         command = self._reader.read(message.name, message.thrust, message.azimuth)
         self._refuse_future(to_nanoseconds(message.header.stamp))
-        self._command_stamps.step(message.header.stamp, 0.0)
+        self._command_stamps.follow(message.header.stamp)  # whether time began anew is for the feedback to say
         self._command = command
         self._tally.commands += 1
         if command.clipped:

@@ -119,7 +119,7 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._publish_truth = self.publish_on(Odometry, "truth")
         self._publish_environment = self.publish_on(WrenchStamped, "environment_force")
         self._publish_propulsion = self.publish_on(PropulsionTruth, "propulsion_truth")
-        self.listen(ActuatorSetpoint, "actuator_setpoint", self._on_setpoint)
+        self.listen(ActuatorSetpoint, "actuator_setpoint", self._on_setpoint, exclusive=True)
         self._setpoints = next(s for s in self.subscriptions if s.topic_name.endswith("/actuator_setpoint"))
         answer_later(self.create_service(Advance, "~/advance", _take_over), self._on_advance)
         self.create_timer(_WATCH_PERIOD, self._watch)

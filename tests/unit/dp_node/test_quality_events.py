@@ -72,11 +72,12 @@ def test_a_node_that_is_not_active_says_so_and_nothing_of_its_core() -> None:
         "refused_inputs": 2,
         "ignored_inputs": 4,
         "last_refusal": "why",
+        "refused_of_others": 0,
     }
 
 
 def test_refusals_and_topics_are_added_to_what_the_core_says() -> None:
-    counts = NodeCounts("active", 1, 1, "pose: too far", 0, (raised("NODE-MESSAGES-LOST", "pose, 7"),))
+    counts = NodeCounts("active", 1, 1, "pose: too far", 0, 0, (raised("NODE-MESSAGES-LOST", "pose, 7"),))
     health = health_of(counts, health_with([raised("OBSERVER-DEAD-RECKONING")]))
     assert told(list(health.alarms)) == [
         ("OBSERVER-DEAD-RECKONING", ""),
