@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from dp_tools.recorder import STOPPED_WORDS
 from dp_tools.recorder.bag_metadata import FileInfo, TopicInfo, bag_metadata, to_yaml
 from dp_tools.recorder.compression import DEFAULT_COMPRESSION
 from dp_tools.recorder.errors import RecordingRefusedError, RecordingStoppedError
@@ -343,7 +344,7 @@ class BagWriter:
     def _stopped(self, error: OSError, lost: int) -> RecordingStoppedError:
         self._cause = error
         self._failed = RecordingStoppedError(
-            f"{self._path}: recording stopped: {error.strerror or error}; {self._written()} "
+            f"{self._path}: {STOPPED_WORDS}: {error.strerror or error}; {self._written()} "
             f"messages are in the bag, the last {lost} were not written"
         )
         return self._failed
