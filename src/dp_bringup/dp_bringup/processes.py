@@ -8,7 +8,8 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
@@ -23,10 +24,32 @@ class ChildDiedError(DpError):
 
 
 class Child:
-    """One process, its output kept in a log file and its last lines at hand."""
+    """One process, its output kept in a log file and its last lines at hand.
 
-    def __init__(self, name: str, command: Sequence[str | Path], log_file: Path, again: bool = False) -> None:
+    Parameters
+    ----------
+    name
+        For messages.
+    command
+        What to run.
+    log_file
+        For its output.
+    heard
+        Called with every line of its output, in a thread of its own.
+    again
+        True to go on in a log that is there.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        command: Sequence[str | Path],
+        log_file: Path,
+        heard: Callable[[str], None] = lambda line: None,
+        again: bool = False,
+    ) -> None:
         self.name = name
+        self._heard = heard
         self._tail: collections.deque[str] = collections.deque(maxlen=_TAIL_LINES)
         self._process = subprocess.Popen(
             [str(part) for part in command],
@@ -49,10 +72,18 @@ class Child:
         self._reader.start()
 
     def _read(self, stream: IO[str]) -> None:
+        logged = True
         for line in stream:
             self._tail.append(line.rstrip())
-            self._log.write(line)
-            self._log.flush()
+            self._heard(line.rstrip())
+            if logged:
+                try:
+                    self._log.write(line)
+                    self._log.flush()
+                except OSError as error:
+                    # On a full disk: the process must not wait for somebody to read on.
+                    logged = False
+                    self._tail.append(f"(no more is kept: {error.strerror or error})")
 
     @property
     def pid(self) -> int:
@@ -87,7 +118,8 @@ class Child:
     def close(self) -> None:
         """Close the log; the process must have ended."""
         self._reader.join(timeout=1.0)
-        self._log.close()
+        with suppress(OSError):  # what a full disk did not take has been said already
+            self._log.close()
 
 
 class Children:
@@ -107,9 +139,25 @@ class Children:
         self._children: list[Child] = []
         log_folder.mkdir(parents=True, exist_ok=True)
 
-    def start(self, name: str, command: Sequence[str | Path], again: bool = False) -> Child:
-        """Start a process; ``again`` goes on in the log of one of the same name."""
-        child = Child(name, command, self._folder / f"{name}.log", again)
+    def start(
+        self,
+        name: str,
+        command: Sequence[str | Path],
+        heard: Callable[[str], None] = lambda line: None,
+        again: bool = False,
+    ) -> Child:
+        """Start a process.
+
+        Parameters
+        ----------
+        name, command
+            See :class:`Child`.
+        heard
+            Called with every line of its output, in a thread.
+        again
+            True to go on in the log of one of the same name.
+        """
+        child = Child(name, command, self._folder / f"{name}.log", heard, again)
         self._children.append(child)
         return child
 

@@ -10,7 +10,7 @@ from dp_node.node import DpNode
 from dp_node.quality import LATCHED, RING, RING_LOCKSTEP, RING_PUBLISHER
 from dp_node.ring_node import RingNode
 from dp_node.run import run_node, run_nodes
-from dp_node.stamps import StampSequence, from_nanoseconds, seconds_between, to_nanoseconds
+from dp_node.stamps import SourceRestartError, StampSequence, from_nanoseconds, seconds_between, to_nanoseconds
 
 __all__ = [
     "ALARMS",
@@ -27,6 +27,7 @@ __all__ = [
     "Level",
     "RingExecutor",
     "RingNode",
+    "SourceRestartError",
     "StampSequence",
     "WaitingRoom",
     "from_nanoseconds",

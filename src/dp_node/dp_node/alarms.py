@@ -115,6 +115,11 @@ ALARMS = _table(
         "messages were lost before they were taken",
         "Reduce the load of the machine or of the network.",
     ),
+    _error(
+        "NODE-SECOND-PUBLISHER",
+        "an input that has one publisher by design has a second one",
+        "Stop the one that does not belong.",
+    ),
     # Observer
     _warn("OBSERVER-NO-FIX-YET", "no position fix yet", "See whether the position reference runs and has a fix."),
     _warn(
@@ -127,6 +132,11 @@ ALARMS = _table(
         "OBSERVER-FIX-REFUSED",
         "position fix refused as an outlier: dead reckoning",
         "Compare the position references; if the fix is right, wait until the observer takes it.",
+    ),
+    _warn(
+        "OBSERVER-MEASUREMENTS-LOST",
+        "measurements of position are missing or late",
+        "See the position reference, its link, and the load of the machine.",
     ),
     _warn(
         "OBSERVER-REINITIALISED",
@@ -143,7 +153,6 @@ ALARMS = _table(
         "no tau_achieved: the estimate knows of no thrust",
         "See whether the allocator runs.",
     ),
-    _error("OBSERVER-SECOND-PUBLISHER", "more than one publisher of an input", "Stop the one that does not belong."),
     # Controller
     _warn("CONTROLLER-NO-ODOMETRY", "no odometry: no tau_desired", "See whether the observer runs."),
     _error(
@@ -169,7 +178,7 @@ ALARMS = _table(
     ),
     _warn(
         "CONTROLLER-WAITS",
-        "odometry waits for what belongs to it",
+        "odometry waits for an input",
         "See who publishes what is missing, or switch off what needs it.",
     ),
     _warn(
@@ -187,7 +196,6 @@ ALARMS = _table(
         "heading error above heading_alarm",
         "See the margin of the thrusters; give a heading that can be held.",
     ),
-    _error("CONTROLLER-SECOND-PUBLISHER", "more than one publisher of an input", "Stop the one that does not belong."),
     # Allocator
     _warn("ALLOCATOR-NO-DEMAND", "no tau_desired: no thruster_command", "See whether the controller runs."),
     _warn(
@@ -197,7 +205,7 @@ ALARMS = _table(
     ),
     _warn(
         "ALLOCATOR-WAITS",
-        "tau_desired waits for what belongs to it",
+        "tau_desired waits for an input",
         "See who publishes what is missing, or switch off what needs it.",
     ),
     _warn(
@@ -246,20 +254,15 @@ ALARMS = _table(
         "power limited",
         "Start another generator and raise power.available, or ask for less.",
     ),
-    _error(
+    _warn(
         "ALLOCATOR-POWER-PHASE-BACK",
-        "power limited (phase_back)",
+        "all thrust phased back for want of power",
         "Start another generator and raise power.available at once, or shed other load.",
     ),
     _warn(
         "ALLOCATOR-BUS-LIMITED",
         "power of a bus limited",
         "Move load to another bus or raise power.bus_limit.",
-    ),
-    _warn(
-        "ALLOCATOR-THRUSTERS-SPARED",
-        "thrusters that lose thrust to air are spared",
-        "Mind the smaller margin; another heading may bring them deeper.",
     ),
     _warn(
         "ALLOCATOR-VENTILATION-STALE",
@@ -272,11 +275,15 @@ ALARMS = _table(
         "Set singularity.method or raise its limit; a force in the weakest direction is slow to come.",
     ),
     _warn(
+        "ALLOCATOR-SINGULAR",
+        "singular: the thrusters in use give no force in one direction as they point",
+        "Enable a thruster, set singularity.method, or set azimuth_mode to fixed.",
+    ),
+    _warn(
         "ALLOCATOR-AVOIDANCE-LOCKED",
         "singularity avoidance is locked",
         "Set singularity.release on, or change azimuth_mode for a while.",
     ),
-    _error("ALLOCATOR-SECOND-PUBLISHER", "more than one publisher of an input", "Stop the one that does not belong."),
     # Drivers
     _warn("DRIVERS-NO-COMMAND", "no thruster_command yet: no thrust", "See whether the allocator runs."),
     _warn(
@@ -300,7 +307,6 @@ ALARMS = _table(
         "propellers draw air",
         "None if anti-spin is on; else switch antispin.enabled on, or change heading.",
     ),
-    _error("DRIVERS-SECOND-PUBLISHER", "more than one publisher of an input", "Stop the one that does not belong."),
     # Simulator
     _warn(
         "SIMULATOR-CANNOT-KEEP-UP",
@@ -322,9 +328,13 @@ ALARMS = _table(
         "measurements of position are being lost",
         "None if a fault is simulated on purpose.",
     ),
-    _error("SIMULATOR-SECOND-PUBLISHER", "more than one publisher of an input", "Stop the one that does not belong."),
     # Recorder
     _warn("RECORDER-MESSAGES-LOST", "messages lost", "Record fewer topics, or free the processor and the disk."),
+    _warn(
+        "RECORDER-PARAMETERS-MISSING",
+        "a node does not tell its parameters: they are not in the bag",
+        "See whether the node hangs; one without parameter services can be left aside.",
+    ),
     _error("RECORDER-DISK-FULL", "the disk is full: recording has stopped", "Free the disk and record anew."),
     _error("RECORDER-WRITE-FAILED", "a write failed: recording has stopped", "See the disk, and record anew."),
     # Supervisor

@@ -19,6 +19,8 @@ from dp_bringup.supervisor import SUPERVISOR, Rules, Supervisor, plan_units
 from dp_bringup.workspace import executable, share
 from dp_tools.conductor import Conductor
 from dp_tools.recorder import RECORDER_EARS
+from dp_tools.recorder.compression import DEFAULT_COMPRESSION
+from dp_tools.recording_watch import RecordingWatch
 from dp_tools.run_files import Pace, start_parameters, write_start_parameters
 from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario
@@ -75,6 +77,8 @@ class GraphRun:
         Namespace of the whole graph, empty for none.
     overwrite
         True to replace a recording that is there.
+    compression
+        Of the recording: zstd, lz4 or none.
     supervision
         None stops the run with the reason if a process dies. A run in lockstep always does: with a process that was
         started in the middle of it, it is not repeatable.
@@ -88,6 +92,7 @@ class GraphRun:
     composed: bool
     namespace: str = ""
     overwrite: bool = False
+    compression: str = DEFAULT_COMPRESSION
     supervision: Supervision | None = None
 
     def sail(
@@ -95,18 +100,22 @@ class GraphRun:
         say: Callable[[str], None],
         progress: Callable[[float], None],
         arrived: Callable[[Sequence[Child]], None] = lambda running: None,
+        warn: Callable[[str], None] = lambda text: None,
     ) -> None:
         """Run to the end of the scenario, or until interrupted.
 
         ``say`` is told what begins, ``progress`` the simulated time (s) now and then, and ``arrived`` the processes
-        of the graph when the scenario has been played and before any of them is stopped.
+        of the graph when the scenario has been played and before any of them is stopped. ``warn`` is told at once that
+        the recording has come to its end before the run, which goes on without it.
 
         Raises
         ------
         GraphRunningError
             If the graph runs already.
+        UncleanStopError
+            If the run went through, but the recorder or the end of a process was not as it should be.
         DpError
-            If a process dies or refuses to start, or a node does not answer; everything is stopped first.
+            If a process of the graph dies or refuses to start, or a node does not answer; everything is stopped first.
         KeyboardInterrupt
             On SIGINT, SIGTERM or SIGHUP; everything is stopped first.
         """
@@ -117,17 +126,25 @@ class GraphRun:
                     f"ROS domain {domain}, namespace /{self.namespace.strip('/')}: expected no graph, found one that "
                     "another dp up runs; stop it, or choose another --namespace or ROS_DOMAIN_ID"
                 )
-            self._sail(say, progress, arrived)
+            self._sail(say, progress, arrived, warn)
 
     def _sail(
         self,
         say: Callable[[str], None],
         progress: Callable[[float], None],
         arrived: Callable[[Sequence[Child]], None],
+        warn: Callable[[str], None],
     ) -> None:
         children = Children(self.folder.logs)
         recorders: list[Child] = []
+        recording = RecordingWatch(self.folder.bag, warn)
+
+        def watch() -> None:
+            children.check(leave_out=recorders)
+            recording.look()
+
         problems: list[str] = []
+        interrupted: KeyboardInterrupt | None = None
         with Interrupts() as interrupts:
             try:
                 with operator(self.namespace) as one:
@@ -138,8 +155,11 @@ class GraphRun:
                     if self.record:
                         say("starting recorder")
                         with interrupts.held_back():
-                            recorders.append(self._start_recorder(children))
+                            recorders.append(self._start_recorder(children, recording.hear))
                         one.wait_until(lambda: is_there(one, RECORDER_EARS), START_SECONDS, "the recorder")
+                        # From here on the graph does without it, if it must.
+                        recording.recorder = recorders[0]
+                        one.watch = watch
                     say("starting nodes")
                     supervisor = None
                     if self.supervision is None or self.pace.lockstep:
@@ -147,13 +167,19 @@ class GraphRun:
                             self._start_nodes(children)
                         wait_until_active(one)
                     else:
-                        supervisor = self._supervise(one, children, self.supervision, interrupts)
+                        supervisor = self._supervise(one, children, self.supervision, interrupts, recording)
                     # A graph that announces itself late has been heard of by now.
                     self._refuse_company(one, ours=1)
                     if self.record:
-                        one.wait_until(lambda: not unheard(one, RECORDER_EARS), START_SECONDS, "the recorder to listen")
+                        one.wait_until(
+                            lambda: recording.over or not unheard(one, RECORDER_EARS),
+                            START_SECONDS,
+                            "the recorder to listen",
+                        )
                     self._conduct(one, say, progress, supervisor)
                     arrived(children.running)
+            except KeyboardInterrupt as error:
+                interrupted = error
             finally:
                 # However often somebody asks for it: nothing is left running.
                 with interrupts.ignored():
@@ -162,9 +188,12 @@ class GraphRun:
                     # The recorder goes last, so that it has what the nodes said on their way out.
                     nodes = [child for child in children.all if child not in recorders]
                     problems += children.stop(nodes)
+                    problems += recording.problems()
                     problems += children.stop()
         if problems:
-            raise UncleanStopError("\n".join(problems))
+            raise UncleanStopError("\n".join(problems)) from interrupted
+        if interrupted is not None:
+            raise interrupted
 
     def _refuse_company(self, one: Operator, ours: int) -> None:
         """Raise GraphRunningError if more than ``ours`` nodes have one name: two graphs would mix their messages."""
@@ -183,7 +212,12 @@ class GraphRun:
         return {node: base.get(node, {}) | values for node, values in own.items()}
 
     def _supervise(
-        self, one: Operator, children: Children, supervision: Supervision, interrupts: Interrupts
+        self,
+        one: Operator,
+        children: Children,
+        supervision: Supervision,
+        interrupts: Interrupts,
+        recording: RecordingWatch,
     ) -> Supervisor:
         """Bring the nodes up; whenever somebody waits from now on, they are looked after."""
         node = one.make_node(SUPERVISOR)
@@ -201,7 +235,9 @@ class GraphRun:
 
         def watch() -> None:
             supervisor.look()
-            children.check(leave_out=supervisor.supervised)
+            recorders = [] if recording.recorder is None else [recording.recorder]
+            children.check(leave_out=[*supervisor.supervised, *recorders])
+            recording.look()
             if self.scenario is not None and supervisor.given_up:
                 raise GivenUpError(f"{', '.join(supervisor.given_up)}: given up; a scenario cannot be sailed without")
 
@@ -234,11 +270,16 @@ class GraphRun:
         for package in NODES:
             children.start(package, [executable(package, "node"), *arguments])
 
-    def _start_recorder(self, children: Children) -> Child:
-        parameters = {"output": str(self.folder.bag), "vessel": self.vessel, "overwrite": str(self.overwrite).lower()}
+    def _start_recorder(self, children: Children, heard: Callable[[str], None]) -> Child:
+        parameters = {
+            "output": str(self.folder.bag),
+            "vessel": self.vessel,
+            "overwrite": str(self.overwrite).lower(),
+            "compression": self.compression,
+        }
         if self.scenario is not None:
             parameters["scenario"] = str(self.folder.scenario_file(self.scenario))
         arguments: list[str | Path] = [executable("dp_tools", "recorder"), "--ros-args", *self._names()]
         for name, value in parameters.items():
             arguments += ["-p", f"{name}:={value}"]
-        return children.start("recorder", arguments)
+        return children.start("recorder", arguments, heard)

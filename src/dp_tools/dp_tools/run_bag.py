@@ -107,7 +107,8 @@ def write_bag(folder: Path, run: RunData, vessel: Vessel, scenario: Scenario | N
             writer.attach(SCENARIO_ATTACHMENT, "application/yaml", scenario_document(scenario), start)
         writer.describe(VERSIONS_RECORD, run.info.versions)
         writer.describe(RUN_RECORD, {name: json.dumps(value) for name, value in asdict(run.info).items()})
-        everything = [*_operator(types, scenario), *_topics(types, run, vessel), *_clock(types, run, vessel)]
+        # The clock first: what belongs to a time follows it, as in the graph.
+        everything = [*_clock(types, run, vessel), *_operator(types, scenario), *_topics(types, run, vessel)]
         channels = []
         for messages in everything:
             info = TopicInfo(f"/{messages.topic}", messages.kind, types.hash_rihs01(messages.kind), (_OFFERED,))

@@ -72,7 +72,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._ventilation: Inbox[FloatArray] = Inbox(VENTILATION)
         self._room: WaitingRoom[Any] = WaitingRoom(round(self.vessel.simulation.time_step * 1e9))
         self._forget()
-        self.listen(WrenchStamped, "tau_desired", self._on_demand)
+        self.listen(WrenchStamped, "tau_desired", self._on_demand, exclusive=True)
         self._hears_feedback = self._hears_ventilation = False
         self._hear()
 
@@ -107,13 +107,11 @@ class AllocatorNode(RingNode[AllocatorSettings]):
     def health(self) -> Health:
         """Return status of the last answer, counts of fall-backs, what limits it, and solve times."""
         waiting, missing = "", self._room.waits_for(self._needed())
-        if self._waiting:
-            waiting = "no thruster_feedback yet: demands are refused"
-        elif missing:
-            waiting = f"tau_desired waits for {' and '.join(missing)}"
+        if missing:
+            waiting = " and ".join(missing)
             if VENTILATION in missing and not self.count_publishers(VENTILATION):
                 waiting += ", which nobody publishes"
-        health = health_of(self._tally, self.settings, self.vessel, waiting)
+        health = health_of(self._tally, self.settings, self.vessel, waiting, self._waiting)
         self._tally.reported()
         return health
 
@@ -145,7 +143,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._direction.clear()
         self._ventilation.clear()
         self._room.clear()
-        self._stamps = StampSequence("tau_desired")
+        self._stamps = StampSequence("tau_desired", self.vessel.measurement.sample_time)
         self._waiting = self._initial == "feedback" and self._commanded is None
         self._tally = Tally()
 
@@ -201,7 +199,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         if held is None:
             return
         try:
-            self._answer(held)
+            self._answer(*held)
         except InputError as error:
             self.refuse(str(error))
 
@@ -242,19 +240,19 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             raise InputError("tau_desired: refused until the first thruster_feedback says where the thrusters point")
         # In lockstep what was measured is the same in every run, so that a demand waits for it. Before the first demand
         # there has been nothing.
-        if self.synchronous and self._stamps.last is not None:
-            stamp = to_nanoseconds(message.header.stamp)
+        is_first, stamp = self._stamps.last is None, to_nanoseconds(message.header.stamp)
+        dt = self._stamps.step(message.header.stamp, self._since_last_command(stamp))
+        if self.synchronous and not is_first:
             missing = self._room.missing(stamp, self._needed())
             if missing:
                 if self._room.holds:
                     self.refuse(f"tau_desired: another came before {' and '.join(missing)} that this one waited for")
-                self._room.hold(stamp, message)
+                self._room.hold(stamp, (message, dt))
                 return
-        self._answer(message)
+        self._answer(message, dt)
 
-    def _answer(self, message: Any) -> None:
+    def _answer(self, message: Any, dt: float) -> None:
         stamp = message.header.stamp
-        dt = self._stamps.step(stamp, self._since_last_command(to_nanoseconds(stamp)))
         if dt > self.vessel.drivers.command_timeout:
             # Since then the drivers have ramped thrust to zero; it comes back from there.
             self._core.fade(dt - self.vessel.drivers.command_timeout)
@@ -266,7 +264,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._publish(stamp, result)
         self._commanded = to_nanoseconds(stamp), result.thrust, result.azimuth
         before = Status.OPTIMAL if self._tally.last is None else self._tally.last.status
-        self._tally.add(result, self.settings.solver)
+        self._tally.add(result, self.settings.solver, dt)
         if result.status is not before:
             self._report(result)
 
