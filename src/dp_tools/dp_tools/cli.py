@@ -10,12 +10,14 @@ from dp_tools.commands.propeller import propeller
 from dp_tools.commands.report import report
 from dp_tools.commands.root import app, main
 from dp_tools.commands.scenarios import scenario_app
+from dp_tools.commands.status import status
 from dp_tools.commands.topics import topics
 from dp_tools.commands.up import up
 from dp_tools.commands.vessels import vessel_app
 
 app.command()(up)
 app.command()(report)
+app.command()(status)
 app.command()(topics)
 app.command()(design)
 app.command()(propeller)
