@@ -13,6 +13,7 @@ from dp_tools.commands.report import report
 from dp_tools.commands.restart import restart
 from dp_tools.commands.root import app, main
 from dp_tools.commands.scenarios import scenario_app
+from dp_tools.commands.status import status
 from dp_tools.commands.topics import topics
 from dp_tools.commands.up import up
 from dp_tools.commands.vessels import vessel_app
@@ -21,6 +22,7 @@ app.command()(up)
 app.command()(record)
 app.command()(replay)
 app.command()(report)
+app.command()(status)
 app.command()(topics)
 app.command()(restart)
 app.command()(design)

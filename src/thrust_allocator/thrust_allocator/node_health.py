@@ -103,6 +103,7 @@ def health_of(
         "demands": tally.demands,
         **{f"steps_{status.value}": number for status, number in tally.steps.items()},
         "solver": settings.solver,
+        "disabled": " ".join(_named(vessel.thruster_names, tuple((~settings.enabled(vessel)).tolist()))),
         "share_of_other_solvers": tally.other_solver / count,
         "share_of_holds": tally.steps[Status.HOLD] / count,
         "solve_time_mean_us": 1e6 * tally.solve_time / tally.fresh if tally.fresh else 0.0,
