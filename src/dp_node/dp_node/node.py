@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rcl_interfaces.msg import ParameterDescriptor, ParameterType
+from rcl_interfaces.msg import ParameterDescriptor, ParameterType, SetParametersResult
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
@@ -16,10 +17,10 @@ from dp_node.common_health import NodeCounts, health_of
 from dp_node.exclusive import Peer
 from dp_node.exclusive_inputs import ExclusiveInputs
 from dp_node.health import Health, to_status
-from dp_node.life_cycle import refuse_impossible_transitions
 from dp_node.parameters import SettingsParameters
 from dp_node.quality import Promise, offered, requested
 from dp_node.quality_events import QualityEvents
+from dp_node.services import guard_services
 from dp_node.stamps import SourceRestartError
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
@@ -51,7 +52,7 @@ class DpNode(LifecycleNode, Generic[S]):
 
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
-        refuse_impossible_transitions(self)
+        guard_services(self)
         self.vessel: Vessel = load_vessel(self.structural("vessel", "cybership3", "Name or path of the vessel file"))
         self.autostart: bool = self.structural("autostart", True, "Configure and activate without being told to")
         self._promise = Promise(
@@ -217,6 +218,13 @@ class DpNode(LifecycleNode, Generic[S]):
         self._refused += 1
         self._last_refusal = reason
         self.get_logger().warning(f"refused: {reason}", throttle_duration_sec=1.0)
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """Set all parameters or none; one that nobody declared is refused by its name."""
+        unknown = sorted({one.name for one in parameter_list if not self.has_parameter(one.name)})
+        if unknown:
+            return SetParametersResult(successful=False, reason=f"no parameter {', '.join(map(repr, unknown))}")
+        return super().set_parameters_atomically(parameter_list)
 
     # Life cycle -----------------------------------------------------------------------------------------------------
 

@@ -19,7 +19,7 @@ from marine_model.vessel import Vessel
 from thruster_drivers.command import CommandReader, ThrusterCommand
 from thruster_drivers.drivers import DriverInputs, DriverOutput, Drivers
 from thruster_drivers.node_health import Tally, health_of, status_alarm
-from thruster_drivers.settings import DriverSettings
+from thruster_drivers.settings import DriverSettings, check_settings
 
 
 class DriversNode(RingNode[DriverSettings]):
@@ -34,10 +34,7 @@ class DriversNode(RingNode[DriverSettings]):
 
     def check(self, settings: DriverSettings) -> None:
         """Refuse what does not fit the vessel, such as a law that a thruster cannot follow."""
-        settings.controllers(self.vessel)
-        settings.antispin.check(self.vessel)
-        if self.vessel.drivers.ventilation is not None:
-            settings.ventilation.resolved(self.vessel)
+        check_settings(settings, self.vessel)
 
     def build(self) -> None:
         """Make core, publisher and subscriptions."""

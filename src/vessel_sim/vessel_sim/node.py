@@ -7,13 +7,12 @@ import time
 from array import array
 from collections.abc import Callable
 from enum import Enum
-from typing import Any, Self
+from typing import Any
 
 from dp_msgs.msg import ActuatorSetpoint, PropulsionTruth, ThrusterFeedback
 from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
-from pydantic import model_validator
 from rosgraph_msgs.msg import Clock
 
 from dp_node import DpNode, Health, from_nanoseconds, run_node, to_nanoseconds
@@ -21,11 +20,11 @@ from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
 from marine_model.guards import FloatArray, finite_vector
-from marine_model.settings import setting
 from vessel_sim.node_health import SimulatorState, health_of
 from vessel_sim.pace import Pace
-from vessel_sim.settings import SimulatorSettings, check_settings
+from vessel_sim.settings import check_settings
 from vessel_sim.simulator import Simulator, SimulatorInputs
+from vessel_sim.time_settings import NodeSettings
 
 _WATCH_PERIOD = 0.1  # s of wall time between two looks at the graph and at answers that are overdue
 # The graph must look complete this many times in a row before lockstep starts: one node may see a new endpoint
@@ -48,41 +47,6 @@ class Phase(Enum):
     PACED = "waiting for its time"
     COMMAND = "waiting for an actuator_setpoint that holds the command for the pose"
     SETPOINT = "waiting for the actuator_setpoint that answers the thruster_feedback"
-
-
-class NodeSettings(SimulatorSettings):
-    """Settings of the core, and how time goes."""
-
-    lockstep: bool = setting(
-        False, "Wait for the ring to answer every sample: runs are repeatable to the bit", read_only=True
-    )
-    rate: float = setting(
-        1.0, "Simulated seconds a wall second; 1 is real time, 0 as fast as the ring answers (lockstep only)", ge=0.0
-    )
-    hold: bool = setting(False, "Stand still until the service ~/advance says how far to sail", read_only=True)
-    lockstep_timeout: float = setting(
-        5.0, "Wall time without an answer after which lockstep says what is missing", unit="s", ge=0.1
-    )
-    start_time: float = setting(
-        0.0,
-        "Simulated time at which it begins when configured; vessel, sea and wind begin anew in any case",
-        unit="s",
-        ge=0.0,
-        le=1e9,
-    )
-    setpoint_timeout: float = setting(
-        1.0,
-        "Simulated time without an actuator_setpoint after which a motor drive takes its torque and azimuth rate away; "
-        "0 for never; not in lockstep, where time waits for the set point",
-        unit="s",
-        ge=0.0,
-    )
-
-    @model_validator(mode="after")
-    def _time_goes_on(self) -> Self:
-        if self.rate == 0.0 and not self.lockstep:
-            raise ValueError("rate: expected above 0 unless lockstep is on, found 0.0")
-        return self
 
 
 class VesselSimNode(DpNode[NodeSettings]):
