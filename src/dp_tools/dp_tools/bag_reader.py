@@ -274,7 +274,7 @@ def _read(stream: IO[bytes], file: Path, vessel_name: str) -> RecordedRun:
         raise BagError(f"{file}: has no summary; the recording was not closed")
     attachments = {attachment.name: attachment.data for attachment in reader.iter_attachments()}
     records = {record.name: record.metadata for record in reader.iter_metadata()}
-    vessel, scenario = _documents(attachments, vessel_name, file)
+    vessel, scenario = documents(attachments, vessel_name, file)
     collector = _Collector(vessel)
     raw = _raw_messages(stream, summary, file)
     try:
@@ -371,8 +371,11 @@ def _messages(stream: IO[bytes]) -> Iterator[tuple[int, int, bytes]]:
                 at += length
 
 
-def _documents(attachments: Mapping[str, bytes], vessel_name: str, file: Path) -> tuple[Vessel, Scenario | None]:
-    """Return the vessel and the scenario of a bag. Files on this machine are not looked at unless named."""
+def documents(attachments: Mapping[str, bytes], vessel_name: str, file: Path) -> tuple[Vessel, Scenario | None]:
+    """Return the vessel and the scenario of a bag. Files on this machine are not looked at unless named.
+
+    Raises DpError if it holds no vessel and none is named, or one of the two is not valid.
+    """
     with tempfile.TemporaryDirectory() as folder:
         for name in (VESSEL_ATTACHMENT, SCENARIO_ATTACHMENT):
             if name in attachments:
