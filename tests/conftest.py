@@ -16,9 +16,11 @@ settings.load_profile("project")
 KINDS = ("unit", "node", "system")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Marks each test by the folder it is in."""
     here = Path(__file__).parent
+    # With --reruns, 0 included, it is as whoever runs the tests says.
+    again = config.pluginmanager.hasplugin("rerunfailures") and config.getoption("reruns", None) is None
     for item in items:
         if here in item.path.parents:
             kind = item.path.relative_to(here).parts[0]
@@ -26,7 +28,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
                 item.add_marker(kind)
             # Discovery between processes may lose a datagram on a busy machine. A second try is shown in
             # the summary as a rerun, and what fails twice has failed.
-            if kind in ("node", "system"):
+            if again and kind in ("node", "system"):
                 item.add_marker(pytest.mark.flaky(reruns=1))
 
 

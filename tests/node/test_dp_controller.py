@@ -210,7 +210,7 @@ def test_synchronous_node_waits_for_the_wind_of_the_odometry(ring: Callable[...,
     bench, room = ship.bench, ship.bench.node._room
     ship.odometry.publish(odometry(0))
     bench.wait_until(lambda: room.holds, "the odometry held")
-    assert "odometry waits for wind, which nobody publishes" in bench.diagnostics()["message"]
+    assert "odometry waits for an input: wind, which nobody publishes" in bench.diagnostics()["message"]
     wind = bench.publisher(Vector3Stamped, "wind")
     wind.publish(wind_at(-1, -5.0, 0.0))
     bench.wait_until(lambda: len(bench.node._wind) == 1, "the wind before")
@@ -310,7 +310,9 @@ def test_joystick_goes_stale_by_its_stamp(ring: Callable[..., Ring]) -> None:
     assert vector(demand) == pytest.approx([2.4, -1.8, 0.3], abs=1e-6)
     demand, _ = ship.sample(odometry(17))
     assert not any(vector(demand))
-    assert ship.bench.diagnostics()["message"] == "joystick_stale"
+    found = ship.bench.diagnostics()
+    assert (found["status"], found["level"]) == ("joystick_stale", 1)
+    assert found["alarm.CONTROLLER-JOYSTICK-STALE"] in found["message"]
 
 
 def test_invalid_observer_is_told_by_its_covariance(ring: Callable[..., Ring]) -> None:
@@ -323,7 +325,9 @@ def test_invalid_observer_is_told_by_its_covariance(ring: Callable[..., Ring]) -
         demand, status = ship.sample(odometry(k, unknown, unknown, valid=False))
         assert status.status == "observer_invalid"
     assert vector(demand) == pytest.approx(list(before.integral), abs=1e-12)
-    assert ship.bench.diagnostics()["level"] == 2
+    found = ship.bench.diagnostics()
+    assert found["level"] == 2
+    assert "alarm.CONTROLLER-OBSERVER-INVALID" in found
     demand, status = ship.sample(odometry(40, [-0.2, 0.0, 0.0]))
     assert status.status == "nominal"
 

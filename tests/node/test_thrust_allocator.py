@@ -109,7 +109,7 @@ def test_time_step_is_the_difference_of_stamps_and_limited_after_a_gap(start: An
     stamp = START
     expected.step(TAU, 0.2)
     bench.ask(stamp)
-    for dt in (0.1, 0.25, 30.0):
+    for dt in (0.1, 0.25, 1.0):
         stamp += round(dt * 1e9)
         tau = (60.0, 0.0, 0.0)
         command, _, _ = bench.ask(stamp, tau)
@@ -439,7 +439,7 @@ def test_measured_power_corrects_the_prediction(start: Any) -> None:
     health = bench.bench.diagnostics()
     assert float(health["power_correction"]) == pytest.approx(result.power.correction, rel=1e-5)
     assert health["level"] == 1
-    assert f"power limited ({status.power_stage})" in health["message"]
+    assert f"W available ({status.power_stage})" in health["message"]
 
 
 def direction_feedback(stamp: int, azimuth: list[float]) -> ThrusterFeedback:
@@ -460,7 +460,9 @@ def test_a_lost_azimuth_drive_is_allocated_where_the_feedback_sees_it(start: Any
     expected.apply(with_parameters(settings, {"azimuth_enabled": stuck}))
     bench.send(START + STEP, HARD)
     bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the demand to be held")
-    assert bench.bench.diagnostics()["message"].startswith("tau_desired waits for the directions of thruster_feedback")
+    assert bench.bench.diagnostics()["message"].startswith(
+        "tau_desired waits for an input: the directions of thruster_feedback"
+    )
     feedback.publish(direction_feedback(START + STEP - TICK, [0.0, 0.0, 2.5, 0.0]))
     bench.bench.wait_until(lambda: len(bench.statuses) == 2, "an answer")
     expected.measure_azimuth([0.0, 0.0, 2.5, 0.0])
@@ -484,7 +486,8 @@ def test_lockstep_waits_for_the_power_before_a_demand_and_for_no_other(start: An
     bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the demand to be held")
     health = bench.bench.diagnostics()
     assert health["level"] == 1
-    assert health["message"].startswith("tau_desired waits for the power of thruster_feedback; power limited (")
+    assert health["message"].startswith("tau_desired waits for an input: the power of thruster_feedback; ")
+    assert any(key.startswith("alarm.ALLOCATOR-POWER-") for key in health)
     feedback.publish(power_feedback(START + STEP - 2 * TICK, [0.1, 1.0, 0.5, 0.5]))
     bench.bench.wait_until(lambda: len(bench.bench.node._power) == 1, "the feedback before the one that counts")
     assert len(bench.commands) == 1
@@ -605,7 +608,7 @@ def test_ventilation_raises_the_cost_and_is_told(start: Any) -> None:
     assert_tells(bench.ask(START, HARD)[2], expected.step(HARD, 0.2))
     health = bench.bench.diagnostics()
     assert health["level"] == 1
-    assert "no ventilation in the last 1 s" in health["message"]
+    assert "alarm.ALLOCATOR-VENTILATION-STALE" in health
     drivers.publish(ventilation(START + STEP - 2 * TICK, [1.0, 1.0, 0.9, 0.9]))
     drivers.publish(ventilation(START + STEP - TICK, [0.7, 0.4, 1.0, 1.0], NAMES[::-1]))
     drivers.publish(ventilation(START + STEP, [0.2] * 4))  # not before the demand
@@ -625,7 +628,7 @@ def test_ventilation_raises_the_cost_and_is_told(start: Any) -> None:
         status = bench.ask(START + k * STEP, HARD)[2]
         assert_tells(status, expected.step(HARD, 0.2))
         assert (status.torque_loss[0] > 0.2) == (k > 6)
-    assert "no ventilation in the last 1 s: torque losses are being forgotten" in bench.bench.diagnostics()["message"]
+    assert "alarm.ALLOCATOR-VENTILATION-STALE" in bench.bench.diagnostics()
 
 
 def test_lockstep_waits_for_power_and_ventilation_before_a_demand(start: Any) -> None:
@@ -639,13 +642,13 @@ def test_lockstep_waits_for_power_and_ventilation_before_a_demand(start: Any) ->
     expected.apply(with_parameters(settings, ANTISPIN))
     bench.send(START + STEP, HARD)
     bench.bench.wait_until(lambda: bench.bench.node._room.holds, "the demand to be held")
-    waits = "tau_desired waits for the power of thruster_feedback and ventilation, which nobody publishes"
+    waits = "tau_desired waits for an input: the power of thruster_feedback and ventilation, which nobody publishes"
     assert bench.bench.diagnostics()["message"].startswith(waits)
     drivers = bench.bench.publisher(Ventilation, "ventilation")
     feedback = bench.bench.publisher(ThrusterFeedback, "thruster_feedback")
     feedback.publish(power_feedback(START + STEP - TICK, [0.1, 1.2, 0.6, 0.7]))
     bench.bench.wait_until(lambda: len(bench.bench.node._power) == 1, "the feedback")
-    assert bench.bench.diagnostics()["message"] == "tau_desired waits for ventilation"
+    assert bench.bench.diagnostics()["message"] == "tau_desired waits for an input: ventilation"
     drivers.publish(ventilation(START + STEP - 2 * TICK, [1.0, 1.0, 0.3, 0.3]))
     bench.bench.wait_until(lambda: len(bench.bench.node._ventilation) == 1, "the one before the one that counts")
     assert len(bench.commands) == 1

@@ -243,8 +243,7 @@ def test_a_bad_command_is_refused_and_the_last_good_one_kept(
 def test_a_command_beyond_the_limits_is_clipped_and_counted(bench: Bench) -> None:
     bench.answer(lambda: bench.command(START, [9.0, 5.0, -60.0, 7.0]))
     bench.answer(lambda: bench.measure(START))
-    _, message, values = bench.health()
-    assert message == "nominal"
+    values = bench.health()[2]
     assert values["clipped_commands"] == "1"
     assert values["last_clipped"] == "tunnel_bow azimuth_port"
 

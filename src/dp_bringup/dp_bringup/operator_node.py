@@ -107,8 +107,14 @@ class Operator:
 
 
 @contextmanager
-def operator(namespace: str = "") -> Iterator[Operator]:
-    """Make an operator node, and close it in the end. Raises NamespaceError."""
+def operator(namespace: str = "", name: str = "") -> Iterator[Operator]:
+    """Make an operator node, named after this process unless it has a name, and close it in the end.
+
+    Raises
+    ------
+    NamespaceError
+        If the namespace is none.
+    """
     # Ctrl-C stays Python's KeyboardInterrupt, so that children can be stopped in order.
     full = f"/{namespace.strip('/')}"
     try:
@@ -117,7 +123,7 @@ def operator(namespace: str = "") -> Iterator[Operator]:
         raise NamespaceError(f"namespace: expected one such as 'ship' or 'fleet/ship', found '{namespace}'") from error
     context = Context()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node(f"dp_operator_{os.getpid()}", context=context, namespace=full)
+    node = rclpy.create_node(name or f"dp_operator_{os.getpid()}", context=context, namespace=full)
     one = Operator(node)
     try:
         yield one

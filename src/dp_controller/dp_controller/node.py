@@ -12,16 +12,15 @@ from dp_msgs.msg import ControllerStatus
 from geometry_msgs.msg import PoseStamped, Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry, Path
 
-from dp_controller.controller import NOMINAL, OBSERVER_INVALID, Controller
+from dp_controller.controller import NOMINAL, Controller
+from dp_controller.node_health import Tally, health_of
 from dp_controller.settings import ControllerSettings, check_settings
 from dp_controller.signals import ControllerInputs, ControllerOutput
 from dp_controller.timed_path import TimedPath
 from dp_node import (
-    RING,
     AnswerGate,
     Health,
     Inbox,
-    Level,
     RingNode,
     StampSequence,
     WaitingRoom,
@@ -50,16 +49,15 @@ class ControllerNode(RingNode[ControllerSettings]):
     def _begin(self) -> None:
         self._core = Controller(self.vessel, self.settings)
         self._gate = AnswerGate(self.synchronous)
-        self._stamps = StampSequence("odometry")
+        self._stamps = StampSequence("odometry", self.vessel.measurement.sample_time)
         self._operator_stamps: dict[str, int] = {}
         self._acted: int | None = None
         self._achieved: tuple[int | None, FloatArray] = (None, _NOTHING)
         self._early_path: Any = None
         self._output: ControllerOutput | None = None
-        self._status = NOMINAL
+        self._tally = Tally()
         self._setpoint_stamp = 0
         self._joystick_stamp = 0
-        self._samples = self._samples_reported = self._unanswered = 0
         self._wind: Inbox[FloatArray] = Inbox(_WIND)
         self._room: WaitingRoom[tuple[int, Callable[[], None]]] = WaitingRoom(0)
 
@@ -76,12 +74,11 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._begin()
         self._demands = self.publish_on(WrenchStamped, "tau_desired")
         self._statuses = self.publish_on(ControllerStatus, "controller_status")
-        self.listen(Odometry, "odometry", self._on_odometry)
+        self.listen(Odometry, "odometry", self._on_odometry, exclusive=True)
         self.listen(WrenchStamped, "tau_achieved", self._on_achieved)
-        # Whoever operates may publish volatile, and would not be heard in lockstep otherwise.
-        self.listen(PoseStamped, "setpoint", self._on_setpoint, RING)
-        self.listen(WrenchStamped, "joystick", self._on_joystick, RING)
-        self.listen(Path, "path", self._on_path, RING)
+        self.listen(PoseStamped, "setpoint", self._on_setpoint)
+        self.listen(WrenchStamped, "joystick", self._on_joystick)
+        self.listen(Path, "path", self._on_path)
         self._hears_wind = False
         self._hear()
 
@@ -98,29 +95,13 @@ class ControllerNode(RingNode[ControllerSettings]):
 
     def health(self) -> Health:
         """Return mode, safe states and counts."""
-        quiet = self._samples == self._samples_reported
-        self._samples_reported = self._samples
-        level, message = Level.OK, self._status
-        if quiet:
-            level, message = Level.WARN, "no odometry: no tau_desired"
-        elif OBSERVER_INVALID in self._status:
-            level = Level.ERROR
-        elif self._status != NOMINAL:
-            level = Level.WARN
-        missing = self._room.waits_for(self._needed())
-        if missing:
-            level, message = Level.WARN, f"odometry waits for {missing[0]}"
-            if not self.count_publishers(_WIND):
-                message += ", which nobody publishes"
-        values: dict[str, object] = {
-            "mode": self.settings.mode,
-            "status": self._status,
-            "answer": self._core.message,
-            "samples": self._samples,
-            "samples_without_tau_achieved": self._unanswered,
-            "odometry_held": self._gate.held + self._room.holds,
-        }
-        return Health(level, message, values)
+        waiting = " and ".join(self._room.waits_for(self._needed()))
+        if waiting and not self.count_publishers(_WIND):
+            waiting += ", which nobody publishes"
+        self._tally.answer, self._tally.held = self._core.message, self._gate.held + self._room.holds
+        health = health_of(self._tally, self.settings, waiting)
+        self._tally.reported()
+        return health
 
     # Estimates ------------------------------------------------------------------------------------------------------
 
@@ -184,16 +165,17 @@ class ControllerNode(RingNode[ControllerSettings]):
         if self._acted is None and self._early_path is not None:
             self._core.set_path(*_timed_poses(self._early_path, stamp, 0.0))
         if self._acted is not None and answered != self._acted:
-            self._unanswered += 1
+            self._tally.unanswered += 1
         tau_achieved = achieved if answered == self._acted else None
         # The newest up to the estimate's own stamp; what has been used grows old in the core.
         wind = self._wind.take(stamp + 1)
         measured = None if wind is None else wind[1]
         output = self._core.step(ControllerInputs(position, velocity, tau_achieved, valid, measured), dt)
         self._output, self._acted = output, stamp
-        self._samples += 1
-        if output.status != self._status:
-            self._status = output.status
+        before = self._tally.status
+        surge, sway, yaw = output.error.tolist()
+        self._tally.acted(output.status, (surge, sway, yaw))
+        if output.status != before:
             if output.status == NOMINAL:
                 self.get_logger().info("status: nominal")
             else:
@@ -232,6 +214,7 @@ class ControllerNode(RingNode[ControllerSettings]):
             self._answer(stamp)
 
     def _set_setpoint(self, message: Any, stamp: int) -> None:
+        self._stamps.check_ahead("set point", stamp)
         self._core.set_setpoint(_pose("set point", message.pose))
         self._setpoint_stamp = stamp
 
@@ -241,6 +224,7 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._joystick_stamp = stamp
 
     def _set_path(self, message: Any, stamp: int) -> None:
+        self._stamps.check_ahead("path", stamp)
         if self._acted is not None:
             self._core.set_path(*_timed_poses(message, self._acted, self._core.time))
         else:
@@ -276,7 +260,7 @@ class ControllerNode(RingNode[ControllerSettings]):
         message.header.frame_id = BODY_FRAME
         message.mode = settings.mode
         message.axis_mode = list(settings.axis_modes)
-        message.status = self._status
+        message.status = self._tally.status
         message.message = self._core.message
         message.setpoint_stamp = from_nanoseconds(self._setpoint_stamp)
         message.joystick_stamp = from_nanoseconds(self._joystick_stamp)

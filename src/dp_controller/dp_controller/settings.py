@@ -75,6 +75,12 @@ class ControllerSettings(Settings):
     tau_max: NonNegativeVector3 = setting(
         (0.0, 0.0, 0.0), "Largest demand in surge, sway, yaw; 0 for no limit", unit="N, N, N m"
     )
+    position_alarm: float = setting(
+        0.0, "Distance from the reference beyond which an alarm is raised; 0 for never", unit="m", ge=0.0
+    )
+    heading_alarm: float = setting(
+        0.0, "Angle from the reference heading beyond which an alarm is raised; 0 for never", unit="rad", ge=0.0
+    )
 
     wind_feedforward: WindFeedforwardSettings = WindFeedforwardSettings()
 

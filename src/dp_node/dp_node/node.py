@@ -9,11 +9,17 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
 
-from dp_node.health import Health, Level, to_status
+from dp_node.alarms import raised
+from dp_node.common_health import NodeCounts, health_of
+from dp_node.exclusive import Peer
+from dp_node.exclusive_inputs import ExclusiveInputs
+from dp_node.health import Health, to_status
 from dp_node.parameters import SettingsParameters
-from dp_node.quality import RING, RING_PUBLISHER
+from dp_node.quality import Promise, offered, requested
+from dp_node.quality_events import QualityEvents
+from dp_node.stamps import SourceRestartError
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
 from marine_model.settings import Settings
@@ -46,6 +52,27 @@ class DpNode(LifecycleNode, Generic[S]):
         super().__init__(name, **kwargs)
         self.vessel: Vessel = load_vessel(self.structural("vessel", "cybership3", "Name or path of the vessel file"))
         self.autostart: bool = self.structural("autostart", True, "Configure and activate without being told to")
+        self._promise = Promise(
+            self.structural(
+                "input_lease",
+                0.0,
+                "Wall time without a sign of life after which a node of the ring counts as gone, 2 or more; 0: never",
+            ),
+            self.structural(
+                "input_deadline",
+                0.0,
+                "Wall time in which messages within the ring have to follow each other, for all its nodes; 0: any",
+            ),
+        )
+        self._quality_events = QualityEvents()
+        self._exclusive = ExclusiveInputs(
+            self.structural(
+                "exclusive_inputs",
+                True,
+                "Where an input has one publisher by design, messages of a second one are refused, not only reported",
+            )
+        )
+        self._began_anew = ""  # why the node began anew since the last diagnostics
         self.ignored = 0  # messages that came while the node was not active
         self._refused = 0
         self._last_refusal = ""
@@ -53,7 +80,8 @@ class DpNode(LifecycleNode, Generic[S]):
         self._active = False
         self._failure: Exception | None = None
         self._parameters_bound = SettingsParameters(self, self.default_settings(self.vessel), self.check, self._apply)
-        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", RING_PUBLISHER)
+        quality = offered("/diagnostics", self._promise)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", quality)
         self.create_timer(_DIAGNOSTICS_PERIOD, self.publish_diagnostics)
 
     # What a subclass provides ---------------------------------------------------------------------------------------
@@ -105,17 +133,33 @@ class DpNode(LifecycleNode, Generic[S]):
         descriptor = ParameterDescriptor(name=name, type=kinds[type(default)], description=description, read_only=True)
         return self.declare_parameter(name, default, descriptor).value
 
-    def publish_on(self, kind: Any, topic: str, quality: QoSProfile = RING_PUBLISHER) -> Publisher:
+    def publish_on(self, kind: Any, topic: str) -> Publisher:
         """Return a publisher that is silent while the node is not active."""
-        return self.create_lifecycle_publisher(kind, topic, quality)
+        made: Publisher
+
+        def misfits() -> int:
+            return int(self.count_subscribers(topic) - made.get_subscription_count())
+
+        events = self._quality_events.publisher(topic, misfits)
+        made = self.create_lifecycle_publisher(kind, topic, offered(topic, self._promise), event_callbacks=events)
+        return made
 
     @property
-    def hearing(self) -> QoSProfile:
-        """Quality with which this node listens, unless :meth:`listen` is told another."""
-        return RING
+    def in_lockstep(self) -> bool:
+        """Whether this node asks for what was sent before it was known, operator inputs apart."""
+        return False
 
-    def listen(self, kind: Any, topic: str, callback: Callable[[Any], None], quality: QoSProfile | None = None) -> None:
-        """Subscribe ``callback``, guarded: it runs while active, and its InputError is reported and counted."""
+    def listen(self, kind: Any, topic: str, callback: Callable[[Any], None], *, exclusive: bool = False) -> None:
+        """Subscribe ``callback``, guarded: it runs while active, and its InputError is reported and counted.
+
+        Where it finds that the source of the topic began anew (SourceRestartError), the node begins anew as at
+        activation, and the message is the first. An ``exclusive`` topic has one publisher by design; see
+        :class:`ExclusiveInput`.
+        """
+        made: Subscription
+
+        def misfits() -> int:
+            return int(self.count_publishers(topic) - made.get_publisher_count())
 
         def guarded(message: Any) -> None:
             if not self._active:
@@ -123,10 +167,40 @@ class DpNode(LifecycleNode, Generic[S]):
                 return
             try:
                 callback(message)
+            except SourceRestartError as error:
+                self._begin_anew(str(error))
+                guarded(message)  # a sequence that was reset does not find so again
             except InputError as error:
                 self.refuse(str(error))
 
-        self.create_subscription(kind, topic, guarded, quality or self.hearing)
+        def from_one(message: Any, info: Any) -> None:
+            if passes(info["publication_sequence_number"], info["received_timestamp"]):
+                guarded(message)
+
+        made = self.create_subscription(
+            kind,
+            topic,
+            from_one if exclusive else guarded,
+            requested(topic, self.in_lockstep, self._promise),
+            event_callbacks=self._quality_events.subscription(topic, misfits),
+        )
+        if exclusive:
+            patience = round(self.vessel.drivers.command_timeout * 1e9)
+            passes = self._exclusive.add(
+                topic, made.get_publisher_count, lambda: self._peers(made.topic_name), patience
+            )
+
+    def _peers(self, topic: str) -> list[Peer]:
+        return [
+            Peer(tuple(info.endpoint_gid), f"{info.node_namespace.rstrip('/')}/{info.node_name}".lstrip("/"))
+            for info in self.get_publishers_info_by_topic(topic)
+        ]
+
+    def _begin_anew(self, reason: str) -> None:
+        """Forget what was made of a source that has no past any more."""
+        self._began_anew = reason
+        self.get_logger().warning(f"{reason}; this node begins anew as well")
+        self.started()
 
     def refuse(self, reason: str) -> None:
         """Count and report an input that was refused."""
@@ -196,6 +270,7 @@ class DpNode(LifecycleNode, Generic[S]):
 
     def _give_back(self) -> None:
         """Destroy what build made."""
+        self._quality_events.forget()
         publishers, subscriptions, timers, services = self._before
         for publisher in set(self.publishers) - publishers:
             self.destroy_lifecycle_publisher(publisher)
@@ -205,6 +280,7 @@ class DpNode(LifecycleNode, Generic[S]):
             self.destroy_timer(timer)
         for service in set(self.services) - services:
             self.destroy_service(service)
+        self._exclusive.clear()
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop acting on messages for good."""
@@ -225,19 +301,21 @@ class DpNode(LifecycleNode, Generic[S]):
 
     def publish_diagnostics(self) -> None:
         """Publish the health of this node on /diagnostics."""
-        label = self._state_machine.current_state[1]
-        own = Health(
-            values={
-                "state": label,
-                "refused_inputs": self._refused,
-                "ignored_inputs": self.ignored,
-                "last_refusal": self._last_refusal,
-            }
+        refused, self._refusals_reported = self._refused - self._refusals_reported, self._refused
+        topics = [*self._quality_events.report(), *self._exclusive.report()]
+        if self._began_anew:
+            topics.append(raised("NODE-SOURCE-RESTARTED", self._began_anew))
+            self._began_anew = ""
+        counts = NodeCounts(
+            state=self._state_machine.current_state[1],
+            refused=self._refused,
+            fresh_refused=refused,
+            last_refusal=self._last_refusal,
+            ignored=self.ignored,
+            refused_of_others=self._exclusive.refused,
+            topics=tuple(topics),
         )
-        if self._refused > self._refusals_reported:
-            self._refusals_reported = self._refused
-            own = Health(Level.WARN, f"refused: {self._last_refusal}", own.values)
-        core = self.health() if self._built else Health(Level.WARN, label)
-        message = DiagnosticArray(status=[to_status(self.get_fully_qualified_name().lstrip("/"), core.worse_of(own))])
+        health = health_of(counts, self.health() if self._built else Health())
+        message = DiagnosticArray(status=[to_status(self.get_fully_qualified_name().lstrip("/"), health)])
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
-from rclpy.qos import QoSProfile
-
 from dp_node.node import DpNode
-from dp_node.quality import RING, RING_LOCKSTEP
 from marine_model.settings import Settings
 
 S = TypeVar("S", bound=Settings)
@@ -29,6 +26,6 @@ class RingNode(DpNode[S]):
         )
 
     @property
-    def hearing(self) -> QoSProfile:
+    def in_lockstep(self) -> bool:
         """Messages sent before this node was known as well, if synchronous."""
-        return RING_LOCKSTEP if self.synchronous else RING
+        return self.synchronous

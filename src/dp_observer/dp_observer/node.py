@@ -10,9 +10,10 @@ from dp_msgs.msg import ObserverState
 from geometry_msgs.msg import PoseWithCovarianceStamped, WrenchStamped
 from nav_msgs.msg import Odometry
 
-from dp_node import AnswerGate, Health, Level, RingNode, StampSequence, run_node, to_nanoseconds
+from dp_node import AnswerGate, Health, RingNode, StampSequence, run_node, seconds_between, to_nanoseconds
 from dp_observer.estimate import ObserverEstimate, ObserverInputs, ObserverStatus
 from dp_observer.lookahead import Lookahead
+from dp_observer.node_health import Tally, health_of, status_alarm, status_text
 from dp_observer.node_messages import is_fix, require_frame, to_odometry, to_position, to_state, to_tau
 from dp_observer.observer import Observer
 from dp_observer.settings import ObserverSettings
@@ -21,15 +22,6 @@ from marine_model.frames import BODY_FRAME, MAP_FRAME
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 
-_MEANING = {
-    ObserverStatus.UNINITIALISED: (Level.WARN, "no position fix yet"),
-    ObserverStatus.INITIALISED: (Level.OK, "first position fix"),
-    ObserverStatus.NOMINAL: (Level.OK, "nominal"),
-    ObserverStatus.DEAD_RECKONING: (Level.WARN, "no position fix: dead reckoning"),
-    ObserverStatus.OUTLIER_REFUSED: (Level.WARN, "position fix refused as an outlier: dead reckoning"),
-    ObserverStatus.INVALID: (Level.ERROR, "estimate invalid: no usable position fix for too long"),
-    ObserverStatus.REINITIALISED: (Level.WARN, "position set anew to a fix far from the estimate"),
-}
 # The watchdog reckons on this many samples after the last pose, and once a sample from then on.
 _PATIENCE = 1.5
 _LOOKS_PER_SAMPLE = 8
@@ -51,7 +43,7 @@ class ObserverNode(RingNode[ObserverSettings]):
         self._odometry = self.publish_on(Odometry, "odometry")
         self._state = self.publish_on(ObserverState, "observer_state")
         self._begin()
-        self.listen(PoseWithCovarianceStamped, "pose", self._on_pose)
+        self.listen(PoseWithCovarianceStamped, "pose", self._on_pose, exclusive=True)
         self.listen(WrenchStamped, "tau_achieved", self._on_tau)
         if not self.synchronous:
             self.create_timer(self._sample * 1e-9 / _LOOKS_PER_SAMPLE, self._watch)
@@ -67,45 +59,40 @@ class ObserverNode(RingNode[ObserverSettings]):
 
     def health(self) -> Health:
         """Return status of the last estimate and counts."""
-        level, message = _MEANING[self._status]
-        values: dict[str, object] = {
-            "status": str(self._status),
-            "time_since_measurement_s": self._time_since_measurement,
-            "poses": self._pose_count,
-            "poses_without_fix": self._no_fix_count,
-            "outliers": self._outlier_count,
-            "late_poses": self._late_count,
-            "estimates_without_pose": self._ahead_count,
-            "poses_held": self._gate.held,
-        }
-        return Health(level, message, values)
+        self._tally.held = self._gate.held
+        health = health_of(self._tally, self.vessel.drivers.command_timeout)
+        self._tally.reported()
+        return health
 
     def _begin(self) -> None:
         self._lookahead = Lookahead(Observer(self.vessel, self.settings), self._sample)
         self._gate = AnswerGate(self.synchronous)
-        self._pose_stamps = StampSequence("pose")
-        self._tau_stamps = StampSequence("tau_achieved")
+        self._pose_stamps = StampSequence("pose", self._sample * 1e-9)
+        self._tau_stamps = StampSequence("tau_achieved", self._sample * 1e-9)
         self._tau: FloatArray = np.zeros(3)
         self._due = 0  # ns of the node's clock: when the watchdog acts
-        self._status = ObserverStatus.UNINITIALISED
-        self._time_since_measurement = 0.0
-        self._pose_count = self._no_fix_count = self._outlier_count = self._late_count = self._ahead_count = 0
+        self._tally = Tally()
+        self._first_pose: int | None = None  # ns
 
     def _on_tau(self, message: Any) -> None:
         require_frame("tau_achieved", BODY_FRAME, message.header.frame_id)
         tau = to_tau(message)
-        self._tau_stamps.step(message.header.stamp, 0.0)
+        self._tau_stamps.follow(message.header.stamp)  # whether time began anew is for the poses to say
         self._tau = tau
         self._gate.answer(to_nanoseconds(message.header.stamp))
 
     def _on_pose(self, message: Any) -> None:
         require_frame("pose", MAP_FRAME, message.header.frame_id)
+        self._pose_stamps.step(message.header.stamp, 0.0)
         self._gate.submit(to_nanoseconds(message.header.stamp), partial(self._observe, message))
 
     def _observe(self, message: Any) -> None:
-        self._pose_stamps.step(message.header.stamp, 0.0)
         stamp = to_nanoseconds(message.header.stamp)
-        self._pose_count += 1
+        self._tally.poses += 1
+        if self._first_pose is None:
+            self._first_pose = stamp
+        last = self._tau_stamps.last
+        self._tally.force_age = seconds_between(self._first_pose if last is None else last, stamp)
         position: FloatArray | None = None
         if is_fix(message):
             try:
@@ -114,15 +101,15 @@ class ObserverNode(RingNode[ObserverSettings]):
                 # The sample counts all the same: who waits for its odometry gets one.
                 self.refuse(f"pose: {error}")
         if position is None:
-            self._no_fix_count += 1
+            self._tally.without_fix += 1
         newest = self._lookahead.stamp
         estimate = self._lookahead.measure(ObserverInputs(position, self._tau_at(stamp)), stamp)
         self._due = self._now() + round(_PATIENCE * self._sample)
         if estimate.status is ObserverStatus.OUTLIER_REFUSED:
-            self._outlier_count += 1
+            self._tally.outliers += 1
         if newest is not None and stamp <= newest:
             # The watchdog has answered for this sample already; time does not run backwards downstream.
-            self._late_count += 1
+            self._tally.late += 1
             return
         self._publish(estimate, stamp)
 
@@ -139,7 +126,7 @@ class ObserverNode(RingNode[ObserverSettings]):
             ahead = self._lookahead.run_ahead(self._tau_at(newest or 0))
             if ahead is None:
                 return
-            self._ahead_count += 1
+            self._tally.ahead += 1
             self._publish(*ahead)
             if now - self._due > self._sample * _LOOKS_PER_SAMPLE:
                 self._due = now + self._sample  # the process was asleep: do not catch up on it sample by sample
@@ -154,17 +141,16 @@ class ObserverNode(RingNode[ObserverSettings]):
     def _publish(self, estimate: ObserverEstimate, stamp: int) -> None:
         self._odometry.publish(to_odometry(estimate, stamp))
         self._state.publish(to_state(estimate, stamp))
-        self._time_since_measurement = estimate.time_since_measurement
-        if estimate.status is not self._status:
+        before = self._tally.status
+        self._tally.estimated(estimate.status, estimate.time_since_measurement)
+        if estimate.status is not before:
             self._report(estimate.status)
 
     def _report(self, status: ObserverStatus) -> None:
-        self._status = status
-        level, message = _MEANING[status]
-        if level is Level.OK:
-            self.get_logger().info(message)
+        if status_alarm(status) is None:
+            self.get_logger().info(status_text(status))
         else:
-            self.get_logger().warning(message)
+            self.get_logger().warning(status_text(status))
 
     def _now(self) -> int:
         return int(self.get_clock().now().nanoseconds)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from rosbags.typesys import TypesysError
 from rosbags.typesys.store import Typestore
 
+from dp_tools.bags.errors import BagError
 from dp_tools.cdr.bulk import Batch, batches
 from dp_tools.cdr.layout import LayoutError
 from dp_tools.cdr.types import types_of
@@ -31,7 +32,7 @@ from dp_tools.run_topics import TOPICS, RunTopic
 from dp_tools.scenario import Scenario, load_scenario
 from dp_tools.versions import VERSIONS_RECORD
 from marine_model import Vessel, load_vessel
-from marine_model.errors import DpError, UnknownNameError
+from marine_model.errors import UnknownNameError
 from marine_model.frames import quaternion_to_heading
 from marine_model.guards import FloatArray
 
@@ -46,10 +47,6 @@ _BY_NAME: Mapping[str, RunTopic] = {topic.name: topic for topic in TOPICS}
 _PACE_TOPIC = "thruster_feedback"
 
 Stamps = NDArray[np.int64]
-
-
-class BagError(DpError):
-    """A recording cannot be read, or lacks what a report needs; the message says what."""
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from dp_tools.commands.detection import detection
 from dp_tools.commands.open_water import open_water_app
 from dp_tools.commands.parameters import parameters_app
 from dp_tools.commands.propeller import propeller
+from dp_tools.commands.replay import replay
 from dp_tools.commands.report import report
 from dp_tools.commands.root import app, main
 from dp_tools.commands.scenarios import scenario_app
@@ -15,6 +16,7 @@ from dp_tools.commands.up import up
 from dp_tools.commands.vessels import vessel_app
 
 app.command()(up)
+app.command()(replay)
 app.command()(report)
 app.command()(topics)
 app.command()(design)

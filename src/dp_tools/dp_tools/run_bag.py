@@ -117,11 +117,12 @@ def write_bag(folder: Path, run: RunData, vessel: Vessel, scenario: Scenario | N
                 writer.attach(name, "application/yaml", data, start)
         writer.describe(VERSIONS_RECORD, run.info.versions)
         writer.describe(RUN_RECORD, {name: json.dumps(value) for name, value in asdict(run.info).items()})
+        # The clock first: what belongs to a time follows it, as in the graph.
         everything = [
+            *_clock(types, run, vessel),
             *_changes(types, vessel, scenario),
             *_operator(types, scenario),
             *_topics(types, run, vessel),
-            *_clock(types, run, vessel),
         ]
         channels = []
         for messages in everything:
@@ -138,12 +139,7 @@ def write_bag(folder: Path, run: RunData, vessel: Vessel, scenario: Scenario | N
 
 def _write(writer: BagWriter, channels: list[int], everything: list[_Messages], start: int) -> None:
     """Write all messages in order of log time: their stamps, and with one stamp as they travel."""
-    told = sum(messages.hops is not None for messages in everything)
-    first = 1 + max((int(messages.hops.max()) for messages in everything if messages.hops is not None), default=-1)
-    times = [
-        messages.stamps + _HOP * (first + number - told if messages.hops is None else messages.hops)
-        for number, messages in enumerate(everything)
-    ]
+    times = [messages.stamps + _HOP * hops for messages, hops in zip(everything, _all_hops(everything), strict=True)]
     order = np.argsort(np.concatenate(times), kind="stable")
     which = np.repeat(np.arange(len(everything)), [len(t) for t in times])[order].tolist()
     rows = np.concatenate([np.arange(len(t)) for t in times])[order].tolist()
@@ -151,6 +147,19 @@ def _write(writer: BagWriter, channels: list[int], everything: list[_Messages], 
     data = [messages.data for messages in everything]
     for topic, row, log_time in zip(which, rows, log_times, strict=True):
         writer.write(channels[topic], data[topic][row], log_time, log_time, row + 1)
+
+
+def _all_hops(everything: list[_Messages]) -> Iterator[int | Stamps]:
+    """Yield for every topic its place among those of one stamp; what operators did has places between the others."""
+    hop = reach = 0
+    for messages in everything:
+        if messages.hops is None:
+            hop = max(hop, reach)
+            yield hop
+            hop += 1
+        else:
+            yield hop + messages.hops
+            reach = max(reach, hop + int(messages.hops.max()) + 1)
 
 
 def _started(info: RunInfo) -> int:

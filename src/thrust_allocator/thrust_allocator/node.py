@@ -64,7 +64,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._ventilation: Inbox[FloatArray] = Inbox(VENTILATION)
         self._room: WaitingRoom[Any] = WaitingRoom(round(self.vessel.simulation.time_step * 1e9))
         self._forget()
-        self.listen(WrenchStamped, "tau_desired", self._on_demand)
+        self.listen(WrenchStamped, "tau_desired", self._on_demand, exclusive=True)
         self._hears_feedback = self._hears_ventilation = False
         self._hear()
 
@@ -82,13 +82,11 @@ class AllocatorNode(RingNode[AllocatorSettings]):
     def health(self) -> Health:
         """Return status of the last answer, counts of fall-backs, what limits it, and solve times."""
         waiting, missing = "", self._room.waits_for(self._needed())
-        if self._waiting:
-            waiting = "no thruster_feedback yet: demands are refused"
-        elif missing:
-            waiting = f"tau_desired waits for {' and '.join(missing)}"
+        if missing:
+            waiting = " and ".join(missing)
             if VENTILATION in missing and not self.count_publishers(VENTILATION):
                 waiting += ", which nobody publishes"
-        health = health_of(self._tally, self.settings, self.vessel, waiting)
+        health = health_of(self._tally, self.settings, self.vessel, waiting, self._waiting)
         self._tally.reported()
         return health
 
@@ -120,7 +118,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._direction.clear()
         self._ventilation.clear()
         self._room.clear()
-        self._stamps = StampSequence("tau_desired")
+        self._stamps = StampSequence("tau_desired", self.vessel.measurement.sample_time)
         self._waiting = self._initial == "feedback"
         self._tally = Tally()
 
@@ -176,7 +174,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         if held is None:
             return
         try:
-            self._answer(held)
+            self._answer(*held)
         except InputError as error:
             self.refuse(str(error))
 
@@ -217,26 +215,26 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             raise InputError("tau_desired: refused until the first thruster_feedback says where the thrusters point")
         # In lockstep what was measured is the same in every run, so that a demand waits for it. Before the first demand
         # there has been nothing.
-        if self.synchronous and self._stamps.last is not None:
-            stamp = to_nanoseconds(message.header.stamp)
+        is_first, stamp = self._stamps.last is None, to_nanoseconds(message.header.stamp)
+        dt = self._stamps.step(message.header.stamp, self.vessel.measurement.sample_time)
+        if self.synchronous and not is_first:
             missing = self._room.missing(stamp, self._needed())
             if missing:
                 if self._room.holds:
                     self.refuse(f"tau_desired: another came before {' and '.join(missing)} that this one waited for")
-                self._room.hold(stamp, message)
+                self._room.hold(stamp, (message, dt))
                 return
-        self._answer(message)
+        self._answer(message, dt)
 
-    def _answer(self, message: Any) -> None:
+    def _answer(self, message: Any, dt: float) -> None:
         stamp = message.header.stamp
-        dt = self._stamps.step(stamp, self.vessel.measurement.sample_time)
         self._measure(to_nanoseconds(stamp))
         wrench = message.wrench
         result = self._core.step((wrench.force.x, wrench.force.y, wrench.torque.z), dt)
         self._publish(stamp, result)
         self._azimuth = result.azimuth
         before = Status.OPTIMAL if self._tally.last is None else self._tally.last.status
-        self._tally.add(result, self.settings.solver)
+        self._tally.add(result, self.settings.solver, dt)
         if result.status is not before:
             self._report(result)
 

@@ -4,20 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from dp_node import Health, Level
+from dp_node import Alarm, Health, health_with, raised
 from marine_model import Vessel
 from thrust_allocator.power import PowerStage
 from thrust_allocator.result import AllocationResult, Status
 from thrust_allocator.settings import AllocatorSettings
 
-_MEANING = {
-    Status.OPTIMAL: Level.OK,
-    Status.DEMAND_NOT_FINITE: Level.WARN,
-    Status.NO_THRUSTER: Level.ERROR,
-    Status.HOLD: Level.ERROR,
+_CODES = {
+    Status.DEMAND_NOT_FINITE: "ALLOCATOR-DEMAND-NOT-FINITE",
+    Status.NO_THRUSTER: "ALLOCATOR-NO-THRUSTER",
+    Status.HOLD: "ALLOCATOR-SOLVER-FAILED",
 }
 # A demand on the boundary of the attainable set has a margin of 1 but for rounding, and so has a gain at its limit.
 _ROUNDING = 1e-6
+# Below, a hundredth of the thrust comes out as force in the weakest direction. Zero itself is not met: thrusters that
+# answer one demand stop some thousandths of a radian from a common direction.
+_SINGULAR = 0.01
+# A thruster that is at a limit for so many samples of the measurement in a row is saturated for long: at its rate it
+# passes through its whole range in 2 (CyberShip III) to 10 samples (drillship).
+_LONG = 50
 
 
 @dataclass(slots=True)
@@ -32,10 +37,13 @@ class Tally:
         Demands answered, and by which rule.
     other_solver
         Of them, answers of another solver than the settings name.
-    fresh, fresh_hold
-        Demands answered since the last report, and those of them without a good answer of any solver.
+    fresh, fresh_hold, fresh_other
+        Demands answered since the last report, those of them without a good answer of any solver, and those answered
+        by another solver than the settings name.
     solve_time, longest
         Sum and largest of the times of these, s.
+    saturated
+        For how long every thruster has been at a limit without a break, s.
     """
 
     last: AllocationResult | None = None
@@ -44,15 +52,22 @@ class Tally:
     other_solver: int = 0
     fresh: int = 0
     fresh_hold: int = 0
+    fresh_other: int = 0
     solve_time: float = 0.0
     longest: float = 0.0
+    saturated: tuple[float, ...] = ()
 
-    def add(self, result: AllocationResult, solver: str) -> None:
-        """Take note of an answer; ``solver`` is the one that the settings name."""
+    def add(self, result: AllocationResult, solver: str, dt: float) -> None:
+        """Take note of an answer after ``dt`` (s); ``solver`` is the one that the settings name."""
         self.last = result
         self.demands += 1
         self.steps[result.status] += 1
-        self.other_solver += result.solver != solver
+        other = result.solver != solver
+        self.other_solver += other
+        self.fresh_other += other
+        at_limit = result.thrust_saturated
+        before = self.saturated or (0.0,) * len(at_limit)
+        self.saturated = tuple([time + dt if at else 0.0 for time, at in zip(before, at_limit, strict=True)])
         self.fresh += 1
         self.fresh_hold += result.status is Status.HOLD
         self.solve_time += result.solve_time
@@ -60,12 +75,14 @@ class Tally:
 
     def reported(self) -> None:
         """Begin the next report."""
-        self.fresh = self.fresh_hold = 0
+        self.fresh = self.fresh_hold = self.fresh_other = 0
         self.solve_time = self.longest = 0.0
 
 
-def health_of(tally: Tally, settings: AllocatorSettings, vessel: Vessel, waiting: str = "") -> Health:
-    """Return level, text and values.
+def health_of(
+    tally: Tally, settings: AllocatorSettings, vessel: Vessel, waiting: str = "", no_feedback: bool = False
+) -> Health:
+    """Return level, text, values and alarms.
 
     Parameters
     ----------
@@ -74,7 +91,9 @@ def health_of(tally: Tally, settings: AllocatorSettings, vessel: Vessel, waiting
     settings, vessel
         Those in force.
     waiting
-        What the node waits for before it answers; empty if nothing.
+        Input that a demand waits for; empty if none.
+    no_feedback
+        Whether demands are refused until the first thruster_feedback.
     """
     last = tally.last
     count = max(tally.demands, 1)
@@ -89,22 +108,27 @@ def health_of(tally: Tally, settings: AllocatorSettings, vessel: Vessel, waiting
         "solve_time_mean_us": 1e6 * tally.solve_time / tally.fresh if tally.fresh else 0.0,
         "solve_time_max_us": 1e6 * tally.longest,
     }
-    found: list[tuple[Level, str]] = []
-    if waiting:
-        found.append((Level.WARN, waiting))
+    alarms: list[Alarm] = []
+    if no_feedback:
+        alarms.append(raised("ALLOCATOR-NO-FEEDBACK"))
+    elif waiting:
+        alarms.append(raised("ALLOCATOR-WAITS", waiting))
     elif not tally.fresh:
-        found.append((Level.WARN, "no tau_desired: no thruster_command"))
+        alarms.append(raised("ALLOCATOR-NO-DEMAND"))
     if last is not None:
         values |= _values(last, settings, vessel)
     if last is not None and tally.fresh:
-        level = _MEANING[last.status]
-        if level is not Level.OK:
-            found.append((level, f"{last.status.value}: {last.message}"))
+        if last.status in _CODES:
+            alarms.append(raised(_CODES[last.status], last.message))
         elif tally.fresh_hold:
-            found.append((Level.WARN, f"hold: {tally.fresh_hold} of the last {tally.fresh} demands had no good answer"))
-        found += [(Level.WARN, text) for text in _warnings(last, settings, vessel)]
-    worst = max((level for level, _ in found), default=Level.OK)
-    return Health(worst, "; ".join(text for _, text in found) or "nominal", values)
+            alarms.append(raised("ALLOCATOR-SOLVER-HELD", f"{tally.fresh_hold} of the last {tally.fresh}"))
+        if tally.fresh_other and settings.power.limit not in ("bus", "both"):
+            # Limits that thrusters share are daqp's by design.
+            alarms.append(raised("ALLOCATOR-SOLVER-FELL-BACK", f"{tally.fresh_other} of the last {tally.fresh}"))
+        alarms += _limits(last, settings, vessel)
+        alarms += _thrusters(tally, last, settings, vessel)
+        alarms += _singularity(last)
+    return health_with(alarms, values)
 
 
 def _values(last: AllocationResult, settings: AllocatorSettings, vessel: Vessel) -> dict[str, object]:
@@ -138,44 +162,58 @@ def _values(last: AllocationResult, settings: AllocatorSettings, vessel: Vessel)
     return found
 
 
-def _warnings(last: AllocationResult, settings: AllocatorSettings, vessel: Vessel) -> list[str]:
-    """Return what an operator has to know of an answer that is as good as it can be."""
+def _limits(last: AllocationResult, settings: AllocatorSettings, vessel: Vessel) -> list[Alarm]:
+    """Return what of a demand cannot be had, and for want of what."""
     found = []
     margin = last.margin
     if margin.turning < 1.0 - _ROUNDING:
-        found.append(f"demand out of reach: {margin.turning:.3g} of it is attainable")
+        found.append(raised("ALLOCATOR-DEMAND-OUT-OF-REACH", f"{margin.turning:.3g} of it is attainable"))
     elif margin.fixed < 1.0 - _ROUNDING:
-        found.append(
-            f"demand out of reach as the thrusters point: {margin.fixed:.3g} of it is attainable, "
-            f"{margin.turning:.3g} once they have turned"
-        )
+        detail = f"{margin.fixed:.3g} of it is attainable, {margin.turning:.3g} once they have turned"
+        found.append(raised("ALLOCATOR-DEMAND-WAITS-FOR-AZIMUTH", detail))
     power = last.power
     if power is not None:
         if power.stage is not PowerStage.WITHIN:
-            found.append(
-                f"power limited ({power.stage.name.lower()}): {power.demanded:.4g} W demanded, "
-                f"{settings.power.available:.4g} W available"
-            )
+            code = "ALLOCATOR-POWER-PHASE-BACK" if power.stage is PowerStage.PHASE_BACK else "ALLOCATOR-POWER-LIMITED"
+            detail = f"{power.demanded:.4g} W demanded, {settings.power.available:.4g} W available"
+            found.append(raised(code, f"{detail} ({power.stage.name.lower()})"))
         for i, limited in enumerate(power.bus_limited):
             if limited:
-                found.append(
-                    f"power of {vessel.power.buses[i].name} limited: {power.bus[i]:.4g} W of "
-                    f"{settings.power.bus_limit[i]:.4g} W"
-                )
+                name, limit = vessel.power.buses[i].name, settings.power.bus_limit[i]
+                found.append(raised("ALLOCATOR-BUS-LIMITED", f"{name}, {power.bus[i]:.4g} W of {limit:.4g} W"))
     if settings.antispin.enabled and last.antispin and not last.ventilation_known:
-        found.append(f"no ventilation in the last {settings.antispin.timeout:.3g} s: torque losses are being forgotten")
+        found.append(raised("ALLOCATOR-VENTILATION-STALE", f"none in the last {settings.antispin.timeout:.3g} s"))
+    return found
+
+
+def _thrusters(tally: Tally, last: AllocationResult, settings: AllocatorSettings, vessel: Vessel) -> list[Alarm]:
+    """Return which thrusters are not in use, or not what they should be."""
+    found = []
+    names = vessel.thruster_names
+    lost = tuple((~settings.enabled(vessel)).tolist())
+    if any(lost) and last.status is not Status.NO_THRUSTER:
+        found.append(raised("ALLOCATOR-THRUSTERS-DISABLED", ", ".join(_named(names, lost))))
+    limit = _LONG * vessel.measurement.sample_time
+    for name, time in zip(names, tally.saturated, strict=False):
+        if time >= limit * (1.0 - _ROUNDING):
+            found.append(raised("ALLOCATOR-THRUST-SATURATED", f"{name} for {time:.0f} s"))
+    return found
+
+
+def _singularity(last: AllocationResult) -> list[Alarm]:
+    """Return which directions are short of force."""
+    found = []
+    if last.status is not Status.NO_THRUSTER and last.gain_both_ways.gain < _SINGULAR:
+        found.append(raised("ALLOCATOR-SINGULAR"))
     avoidance = last.avoidance
     # Without avoidance nobody asked: the optimum of many demands lies below any limit.
     if avoidance is not None and avoidance.minimum_gain < avoidance.threshold * (1.0 - _ROUNDING):
         crossing = ", on the way through" if avoidance.crossing else ""
-        found.append(
-            f"minimum gain {avoidance.minimum_gain:.3g} is below the limit {avoidance.threshold:.3g}{crossing}"
-        )
+        detail = f"{avoidance.minimum_gain:.3g} of {avoidance.threshold:.3g}{crossing}"
+        found.append(raised("ALLOCATOR-GAIN-LOW", detail))
     if avoidance is not None and avoidance.locked:
-        found.append(
-            f"singularity avoidance is locked: angles of cost {avoidance.cost_free:.4g} are known, "
-            f"these cost {avoidance.cost_kept:.4g}"
-        )
+        detail = f"angles of cost {avoidance.cost_free:.4g} are known, these cost {avoidance.cost_kept:.4g}"
+        found.append(raised("ALLOCATOR-AVOIDANCE-LOCKED", detail))
     return found
 
 

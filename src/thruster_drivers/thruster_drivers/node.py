@@ -10,30 +10,16 @@ import numpy as np
 from dp_msgs.msg import ActuatorSetpoint, ThrusterFeedback, Ventilation
 from dp_msgs.msg import ThrusterCommand as ThrusterCommandMessage
 
-from dp_node import Health, Level, RingNode, StampSequence, from_nanoseconds, run_node, to_nanoseconds
+from dp_node import Health, RingNode, StampSequence, from_nanoseconds, run_node, to_nanoseconds
 from dp_node.stamps import seconds_between
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 from thruster_drivers.command import CommandReader, ThrusterCommand
-from thruster_drivers.drivers import (
-    COMMAND_STALE,
-    NO_COMMAND,
-    NOMINAL,
-    SENSOR_LOST,
-    DriverInputs,
-    DriverOutput,
-    Drivers,
-)
+from thruster_drivers.drivers import DriverInputs, DriverOutput, Drivers
+from thruster_drivers.node_health import Tally, health_of, status_alarm
 from thruster_drivers.settings import DriverSettings
-
-_MEANING = {
-    NOMINAL: (Level.OK, "nominal"),
-    NO_COMMAND: (Level.WARN, "no thruster_command yet: no thrust"),
-    COMMAND_STALE: (Level.WARN, "thruster_command is stale: thrust is ramped to zero, azimuth held"),
-    SENSOR_LOST: (Level.ERROR, "thruster_feedback is not finite: that thruster runs open loop"),
-}
 
 
 class DriversNode(RingNode[DriverSettings]):
@@ -41,7 +27,6 @@ class DriversNode(RingNode[DriverSettings]):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("thruster_drivers", **kwargs)
-        self._feedback_reported = 0
 
     def default_settings(self, vessel: Vessel) -> DriverSettings:
         """Return the core's settings with the vessel's numbers, so that the parameters show what is in force."""
@@ -65,7 +50,7 @@ class DriversNode(RingNode[DriverSettings]):
         self._ventilation_publisher = self.publish_on(Ventilation, "ventilation") if self._detects else None
         self._forget()
         self.listen(ThrusterFeedback, "thruster_feedback", self._on_feedback)
-        self.listen(ThrusterCommandMessage, "thruster_command", self._on_command)
+        self.listen(ThrusterCommandMessage, "thruster_command", self._on_command, exclusive=True)
 
     def apply(self, settings: DriverSettings) -> None:
         """Hand changed settings to the core."""
@@ -84,49 +69,31 @@ class DriversNode(RingNode[DriverSettings]):
 
     def health(self) -> Health:
         """Return status of the last step and counts."""
-        quiet = self._feedback_count == self._feedback_reported
-        self._feedback_reported = self._feedback_count
-        level, message = _MEANING[self._status]
-        if quiet:
-            level, message = Level.WARN, "no thruster_feedback: no actuator_setpoint"
-        values: dict[str, object] = {
-            "status": self._status,
-            "command_age_s": self._command_age,
-            "commands": self._command_count,
-            "clipped_commands": self._clipped_count,
-            "last_clipped": " ".join(self._last_clipped),
-            "controller": self.settings.controller,
-            "feedback": self._feedback_count,
-        }
         events = self._core.ventilation_events
-        if events is not None:
-            for name, count in zip(self._names, events.tolist(), strict=True):
-                values[f"ventilation_events.{name}"] = count
-        return Health(level, message, values)
+        health = health_of(
+            self._tally, self.settings.controller, self._names, None if events is None else events.tolist()
+        )
+        self._tally.reported()
+        return health
 
     def _forget(self) -> None:
-        self._feedback_stamps = StampSequence("thruster_feedback")
-        self._command_stamps = StampSequence("thruster_command")
+        sample = self.vessel.measurement.sample_time
+        self._feedback_stamps = StampSequence("thruster_feedback", sample)
+        self._command_stamps = StampSequence("thruster_command", sample)
         self._command = ThrusterCommand(self._none, self._none, ())
         self._torque = self._azimuth_rate = self._none
         self._pitch_ratio = self.vessel.pitch_ratio
-        self._status = NO_COMMAND
-        self._command_age = math.inf
-        self._command_count = 0
-        self._clipped_count = 0
-        self._last_clipped: tuple[str, ...] = ()
-        self._feedback_count = 0
-        self._feedback_reported = 0
+        self._tally = Tally()
 
     def _on_command(self, message: Any) -> None:
         command = self._reader.read(message.name, message.thrust, message.azimuth)
         self._refuse_future(to_nanoseconds(message.header.stamp))
-        self._command_stamps.step(message.header.stamp, 0.0)
+        self._command_stamps.follow(message.header.stamp)  # whether time began anew is for the feedback to say
         self._command = command
-        self._command_count += 1
+        self._tally.commands += 1
         if command.clipped:
-            self._clipped_count += 1
-            self._last_clipped = command.clipped
+            self._tally.clipped += 1
+            self._tally.last_clipped = command.clipped
         # The motors' side learns at once which command is in force; torque and rate follow with the next feedback.
         self._publish(to_nanoseconds(message.header.stamp), stale=False)
 
@@ -155,21 +122,24 @@ class DriversNode(RingNode[DriverSettings]):
             DriverInputs(command.thrust, command.azimuth, age, shaft_speed, torque, azimuth, pitch), dt
         )
         self._torque, self._azimuth_rate, self._pitch_ratio = output.torque, output.azimuth_rate, output.pitch_ratio
-        self._command_age = age
-        self._feedback_count += 1
+        self._tally.command_age = age
+        self._tally.feedback += 1
         self._publish(stamp, output.command_stale)
         if self._ventilation_publisher is not None:  # without loss while detection is off: anti-spin waits for it
             self._publish_ventilation(self._ventilation_publisher, message.header.stamp, output)
-        if output.status != self._status:
+            if output.ventilating.any():
+                flags = output.ventilating.tolist()
+                self._tally.ventilated.update([name for name, flag in zip(self._names, flags, strict=True) if flag])
+        if output.status != self._tally.status:
             self._report(output)
 
     def _report(self, output: DriverOutput) -> None:
-        self._status = output.status
-        level, message = _MEANING[output.status]
-        if level is Level.OK:
-            self.get_logger().info(message)
+        self._tally.status = output.status
+        alarm = status_alarm(output.status)
+        if alarm is None:
+            self.get_logger().info("nominal")
         else:
-            self.get_logger().warning(message)
+            self.get_logger().warning(alarm.text)
 
     def _publish(self, stamp: int, stale: bool) -> None:
         message = ActuatorSetpoint()

@@ -14,15 +14,15 @@ from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from pydantic import model_validator
-from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
-from dp_node import RING, RING_LOCKSTEP, DpNode, Health, Level, from_nanoseconds, run_node, to_nanoseconds
+from dp_node import DpNode, Health, from_nanoseconds, run_node, to_nanoseconds
 from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
 from marine_model.guards import FloatArray, finite_vector
 from marine_model.settings import setting
+from vessel_sim.node_health import SimulatorState, health_of
 from vessel_sim.pace import Pace
 from vessel_sim.settings import SimulatorSettings, check_settings
 from vessel_sim.simulator import Simulator, SimulatorInputs
@@ -32,7 +32,6 @@ _WATCH_PERIOD = 0.1  # s of wall time between two looks at the graph and at answ
 # before another does.
 _SIGHTINGS = 3
 _BURST = 10  # steps in one go when behind; messages get their turn in between
-_SLOW = 0.95  # of the asked rate: below, a warning
 
 # Topics between pose and actuator_setpoint, in the order in which data travels.
 _CHAIN = ("odometry", "tau_desired", "tau_achieved", "thruster_command")
@@ -87,9 +86,9 @@ class VesselSimNode(DpNode[NodeSettings]):
         check_settings(settings, self.vessel)
 
     @property
-    def hearing(self) -> QoSProfile:
+    def in_lockstep(self) -> bool:
         """Answers sent before the drivers knew this node as well, in lockstep: it waits for each of them."""
-        return RING_LOCKSTEP if self.settings.lockstep else RING
+        return self.settings.lockstep
 
     def build(self) -> None:
         """Make the core at simulated time 0, and its topics."""
@@ -106,7 +105,7 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._waiting_since = 0.0
         self._reported = False
         self._answered: tuple[int, int] | None = None  # stamps of the last actuator_setpoint, ns
-        self._poses = self._poses_lost = 0
+        self._poses = self._poses_lost = self._poses_reported = self._lost_reported = 0
         self._target: int | None = None  # tick to sail to while holding
         self._reply: Callable[[Advance.Response], None] | None = None
         self._pace = Pace(self.settings.rate)
@@ -120,7 +119,7 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._publish_truth = self.publish_on(Odometry, "truth")
         self._publish_environment = self.publish_on(WrenchStamped, "environment_force")
         self._publish_propulsion = self.publish_on(PropulsionTruth, "propulsion_truth")
-        self.listen(ActuatorSetpoint, "actuator_setpoint", self._on_setpoint)
+        self.listen(ActuatorSetpoint, "actuator_setpoint", self._on_setpoint, exclusive=True)
         self._setpoints = next(s for s in self.subscriptions if s.topic_name.endswith("/actuator_setpoint"))
         answer_later(self.create_service(Advance, "~/advance", _take_over), self._on_advance)
         self.create_timer(_WATCH_PERIOD, self._watch)
@@ -314,24 +313,25 @@ class VesselSimNode(DpNode[NodeSettings]):
 
     def health(self) -> Health:
         """Return how time goes, and who keeps it from going."""
-        achieved = self._pace.achieved
-        values: dict[str, object] = {
-            "simulated_time": self._now,
-            "phase": self._phase.value,
-            "rate": self.settings.rate,
-            "poses": self._poses,
-            "poses_lost": self._poses_lost,
-        }
-        if achieved is not None:
-            values["rate_achieved"] = achieved
-        if self._pace.forgiven > 0.0:
-            values["time_not_kept_up_with"] = self._pace.forgiven
-        if self._is_overdue():
-            return Health(Level.ERROR, self._complaint(), values)
-        if self._phase is Phase.PACED and achieved is not None and achieved < _SLOW * self.settings.rate:
-            message = f"cannot keep up: {achieved:.2f} simulated seconds a second, asked {self.settings.rate:g}"
-            return Health(Level.WARN, message, values)
-        return Health(Level.OK, self._phase.value if self._phase is Phase.HELD else "nominal", values)
+        answered = 0 if self._answered is None else self._answered[0]
+        state = SimulatorState(
+            now=self._now,
+            phase=self._phase.value,
+            rate=self.settings.rate,
+            achieved=self._pace.achieved,
+            paced=self._phase is Phase.PACED,
+            held=self._phase is Phase.HELD,
+            overdue=self._complaint() if self._is_overdue() else "",
+            forgiven=self._pace.forgiven,
+            poses=self._poses,
+            poses_lost=self._poses_lost,
+            fresh_poses=self._poses - self._poses_reported,
+            fresh_lost=self._poses_lost - self._lost_reported,
+            setpoint_age=(self._now_ns - answered) * 1e-9,
+            setpoint_limit=self.vessel.drivers.command_timeout,
+        )
+        self._poses_reported, self._lost_reported = self._poses, self._poses_lost
+        return health_of(state)
 
     # Service --------------------------------------------------------------------------------------------------------
 

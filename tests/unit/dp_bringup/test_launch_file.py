@@ -131,7 +131,8 @@ def test_default_parameters_are_parameters_of_the_nodes() -> None:
     for node, own in values.items():
         of_the_core = {name: value for name, value in own.items() if name in parameters_of(settings[node])}
         with_parameters(settings[node], of_the_core)
-        assert set(own) - set(of_the_core) <= ({"rate"} if node == "vessel_sim" else set()), node
+        # Of every node, and of the simulator's.
+        assert set(own) - set(of_the_core) <= {"input_lease"} | ({"rate"} if node == "vessel_sim" else set()), node
 
 
 def test_launch_config_and_scenario_files_are_installed() -> None:

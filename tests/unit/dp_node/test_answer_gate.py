@@ -3,6 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dp_node import AnswerGate
+from marine_model.errors import InputError
 
 
 def test_an_open_gate_lets_every_action_through_at_once() -> None:
@@ -50,3 +51,25 @@ def test_actions_keep_their_order_however_topics_interleave(order: list[str]) ->
             log.append(("answer", stamp))
     acts = [stamp for kind, stamp in log if kind == "act"]
     assert acts == [1, 2, 3]
+
+
+def test_an_answer_from_the_future_opens_nothing() -> None:
+    gate, done = AnswerGate(synchronous=True), []
+    gate.submit(10, lambda: done.append(10))
+    gate.answer(10**18)
+    gate.submit(20, lambda: done.append(20))
+    assert done == [10]
+    gate.answer(10)
+    assert done == [10, 20]
+
+
+def test_what_waits_is_bounded_and_the_oldest_keep_their_turn() -> None:
+    gate, done = AnswerGate(synchronous=True), []
+    for stamp in range(65):
+        gate.submit(stamp, lambda stamp=stamp: done.append(stamp))
+    with pytest.raises(InputError, match=r"expected an answer to the sample at 0\.000 s, found none while 64 samples"):
+        gate.submit(65, lambda: done.append(65))
+    assert gate.held == 64
+    for stamp in range(65):
+        gate.answer(stamp)
+    assert done == list(range(65))

@@ -9,8 +9,10 @@ from typing import Any
 from dp_node import Health, Level
 from marine_model import load_vessel
 from marine_model.settings import with_parameters
+from marine_model.thruster import TunnelThruster
 from thrust_allocator import AllocationResult, Allocator, AllocatorSettings, Status
 from thrust_allocator.node_health import Tally, health_of
+from thrust_allocator.power import PowerStage
 
 VESSEL = load_vessel("cybership3")
 TAU = (3.0, 1.0, 0.5)
@@ -25,12 +27,16 @@ def run(tau: tuple[float, float, float] = TAU, steps: int = 1, **changes: Any) -
     settings = settings_with(**changes)
     allocator, tally = Allocator(VESSEL, settings), Tally()
     for _ in range(steps):
-        tally.add(allocator.step(tau, 0.2), settings.solver)
+        tally.add(allocator.step(tau, 0.2), settings.solver, 0.2)
     return tally, settings
 
 
 def said(tau: tuple[float, float, float] = TAU, steps: int = 1, **changes: Any) -> Health:
     return health_of(*run(tau, steps, **changes), VESSEL)
+
+
+def codes(health: Health) -> list[str]:
+    return [alarm.kind.code for alarm in health.alarms]
 
 
 def last(tally: Tally) -> AllocationResult:
@@ -59,8 +65,12 @@ def test_no_demand_since_the_last_report_is_a_warning() -> None:
     health = health_of(tally, settings, VESSEL)
     assert (health.level, health.message) == (Level.WARN, "no tau_desired: no thruster_command")
     assert health_of(Tally(), settings, VESSEL).message == "no tau_desired: no thruster_command"
-    health = health_of(Tally(), settings, VESSEL, "no thruster_feedback yet: demands are refused")
-    assert (health.level, health.message) == (Level.WARN, "no thruster_feedback yet: demands are refused")
+    assert codes(health) == ["ALLOCATOR-NO-DEMAND"]
+    health = health_of(Tally(), settings, VESSEL, no_feedback=True)
+    assert (health.level, codes(health)) == (Level.WARN, ["ALLOCATOR-NO-FEEDBACK"])
+    assert health.message == "no thruster_feedback yet: demands are refused"
+    health = health_of(Tally(), settings, VESSEL, "ventilation")
+    assert (health.message, codes(health)) == ("tau_desired waits for an input: ventilation", ["ALLOCATOR-WAITS"])
 
 
 def test_answers_of_another_solver_are_counted() -> None:
@@ -75,15 +85,23 @@ def test_a_hold_is_an_error_while_it_lasts_and_then_a_warning_for_one_report() -
     tally, settings = run()
     good = last(tally)
     held = replace(good, status=Status.HOLD, message="daqp gave no answer")
-    tally.add(held, settings.solver)
+    tally.add(held, settings.solver, 0.2)
     health = health_of(tally, settings, VESSEL)
-    assert (health.level, health.message) == (Level.ERROR, "hold: daqp gave no answer")
+    assert (health.level, health.message) == (
+        Level.ERROR,
+        "hold: no solver has a good answer, the last command stands: daqp gave no answer",
+    )
+    assert codes(health) == ["ALLOCATOR-SOLVER-FAILED"]
     assert health.values["share_of_holds"] == 0.5
-    tally.add(good, settings.solver)
+    tally.add(good, settings.solver, 0.2)
     health = health_of(tally, settings, VESSEL)
-    assert (health.level, health.message) == (Level.WARN, "hold: 1 of the last 3 demands had no good answer")
+    assert (health.level, health.message) == (
+        Level.WARN,
+        "hold: demands without a good answer: 1 of the last 3",
+    )
+    assert codes(health) == ["ALLOCATOR-SOLVER-HELD"]
     tally.reported()
-    tally.add(good, settings.solver)
+    tally.add(good, settings.solver, 0.2)
     assert health_of(tally, settings, VESSEL).level is Level.OK
 
 
@@ -91,9 +109,14 @@ def test_lost_thrusters_and_bad_demands() -> None:
     health = said(thruster_enabled=[False] * 4)
     assert health.level is Level.ERROR
     assert health.message.startswith("no_thruster: every thruster is lost; demand out of reach: 0 of it")
+    assert codes(health) == ["ALLOCATOR-NO-THRUSTER", "ALLOCATOR-DEMAND-OUT-OF-REACH"]
     health = said((math.nan, 0.0, 0.0))
     assert health.level is Level.WARN
     assert health.message.startswith("demand_not_finite: tau_desired: expected finite numbers")
+    assert codes(health) == ["ALLOCATOR-DEMAND-NOT-FINITE"]
+    health = said(thruster_enabled=[False, True, True, True])
+    assert (health.level, codes(health)) == (Level.WARN, ["ALLOCATOR-THRUSTERS-DISABLED"])
+    assert health.message == f"thrusters are not in use: {VESSEL.thruster_names[0]}"
 
 
 def test_a_demand_out_of_reach_says_how_much_is_attainable_now_and_once_turned() -> None:
@@ -114,6 +137,7 @@ def test_a_demand_out_of_reach_says_how_much_is_attainable_now_and_once_turned()
     assert health.message == (
         f"demand out of reach as the thrusters point: {now:.3g} of it is attainable, {turned:.3g} once they have turned"
     )
+    assert codes(health) == ["ALLOCATOR-DEMAND-WAITS-FOR-AZIMUTH"]
 
 
 def test_a_demand_on_the_boundary_is_within_reach() -> None:
@@ -131,9 +155,18 @@ def test_limited_power_is_a_warning() -> None:
     power = last(tally).power
     assert power is not None
     assert health.level is Level.WARN
+    assert codes(health) == ["ALLOCATOR-POWER-PHASE-BACK"]
     assert health.message == (
-        f"power limited ({power.stage.name.lower()}): {power.demanded:.4g} W demanded, 1 W available"
+        f"all thrust phased back for want of power: {power.demanded:.4g} W demanded, 1 W available (phase_back)"
     )
+    for stage in PowerStage:  # whatever the demand came to, each stage is told by its code
+        told = Tally()
+        told.add(replace(last(tally), power=power._replace(stage=stage)), settings.solver, 0.2)
+        expected: dict[PowerStage, list[str]] = {
+            PowerStage.WITHIN: [],
+            PowerStage.PHASE_BACK: ["ALLOCATOR-POWER-PHASE-BACK"],
+        }
+        assert codes(health_of(told, settings, VESSEL)) == expected.get(stage, ["ALLOCATOR-POWER-LIMITED"])
     assert health.values["available_power_W"] == 1.0
     assert health.values["power_stage"] == power.stage.name.lower()
 
@@ -141,7 +174,9 @@ def test_limited_power_is_a_warning() -> None:
     power = last(tally).power
     assert power is not None
     assert power.bus_limited[0]
-    assert f"power of bus_a limited: {power.bus[0]:.4g} W of 0.5 W" in health_of(tally, settings, VESSEL).message
+    health = health_of(tally, settings, VESSEL)
+    assert f"power of a bus limited: bus_a, {power.bus[0]:.4g} W of 0.5 W" in health.message
+    assert set(codes(health)) == {"ALLOCATOR-BUS-LIMITED"}, "daqp's answers are by design there"
 
 
 def test_sectors_say_which_windows_and_who_is_on_the_way() -> None:
@@ -166,18 +201,20 @@ def test_avoidance_says_insufficient_gain_and_locking() -> None:
     def told(**changes: Any) -> Health:
         other = Tally()
         assert report is not None
-        other.add(replace(last(tally), avoidance=report._replace(**changes)), settings.solver)
+        other.add(replace(last(tally), avoidance=report._replace(**changes)), settings.solver, 0.2)
         return health_of(other, settings, VESSEL)
 
     assert told(minimum_gain=report.threshold).level is Level.OK
     health = told(minimum_gain=0.2)
-    assert (health.level, health.message) == (Level.WARN, "minimum gain 0.2 is below the limit 0.5")
-    assert told(minimum_gain=0.2, crossing=True).message.endswith("below the limit 0.5, on the way through")
+    assert (health.level, health.message) == (Level.WARN, "minimum gain below the limit: 0.2 of 0.5")
+    assert codes(health) == ["ALLOCATOR-GAIN-LOW"]
+    assert told(minimum_gain=0.2, crossing=True).message.endswith("below the limit: 0.2 of 0.5, on the way through")
     health = told(locked=True, cost_free=10.0, cost_kept=500.0)
     assert (health.level, health.message) == (
         Level.WARN,
         "singularity avoidance is locked: angles of cost 10 are known, these cost 500",
     )
+    assert codes(health) == ["ALLOCATOR-AVOIDANCE-LOCKED"]
     # Where no thruster can turn there is no gain to speak of.
     assert told(method="none", minimum_gain=math.nan, threshold=0.0).level is Level.OK
 
@@ -187,3 +224,47 @@ def test_without_avoidance_a_small_gain_is_no_warning() -> None:
     tally, settings = run((6.0, 0.0, 0.0), 20, azimuth_mode="rotating")
     assert last(tally).gain_both_ways.gain < 0.5
     assert health_of(tally, settings, VESSEL).level is Level.OK
+
+
+def test_a_configuration_without_force_in_a_direction_is_singular() -> None:
+    """Without the tunnel thruster, and all others ahead, nothing pushes sideways."""
+    tunnel = [not isinstance(thruster, TunnelThruster) for thruster in VESSEL.thrusters]
+    health = said((6.0, 0.0, 0.0), 60, azimuth_mode="rotating", thruster_enabled=tunnel)
+    assert codes(health) == ["ALLOCATOR-THRUSTERS-DISABLED", "ALLOCATOR-SINGULAR"]
+
+
+def test_an_answer_of_another_solver_without_shared_limits_is_a_fall_back() -> None:
+    tally, settings = run()
+    tally.add(replace(last(tally), solver="daqp"), settings.solver, 0.2)
+    health = health_of(tally, settings, VESSEL)
+    assert (codes(health), health.level) == (["ALLOCATOR-SOLVER-FELL-BACK"], Level.WARN)
+    assert health.message.endswith("1 of the last 2")
+    tally.reported()
+    tally.add(last(run()[0]), settings.solver, 0.2)
+    assert codes(health_of(tally, settings, VESSEL)) == []
+
+
+def test_thrust_at_its_limit_is_told_once_it_has_lasted() -> None:
+    """50 samples: the thrusters have come to their limits by then, and one sample inside begins the count anew."""
+    sample = VESSEL.measurement.sample_time
+    tally, settings = run()
+    at_limit = replace(last(run((60.0, 0.0, 0.0), 60)[0]))
+    assert any(at_limit.thrust_saturated)
+    names = [name for name, at in zip(VESSEL.thruster_names, at_limit.thrust_saturated, strict=True) if at]
+    for _ in range(49):
+        tally.add(at_limit, settings.solver, sample)
+    assert "ALLOCATOR-THRUST-SATURATED" not in codes(health_of(tally, settings, VESSEL))
+    tally.add(at_limit, settings.solver, sample)
+    health = health_of(tally, settings, VESSEL)
+    told = [a.detail for a in health.alarms if a.kind.code == "ALLOCATOR-THRUST-SATURATED"]
+    assert told == [f"{name} for {50 * sample:.0f} s" for name in names]
+    tally.add(last(run()[0]), settings.solver, sample)
+    assert "ALLOCATOR-THRUST-SATURATED" not in codes(health_of(tally, settings, VESSEL))
+
+
+def test_stale_ventilation_with_antispin_is_told() -> None:
+    tally, settings = run(antispin__enabled=True)
+    assert not last(tally).ventilation_known
+    health = health_of(tally, settings, VESSEL)
+    assert codes(health) == ["ALLOCATOR-VENTILATION-STALE"]
+    assert health.message == "no ventilation: torque losses are being forgotten: none in the last 1 s"

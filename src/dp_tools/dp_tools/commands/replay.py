@@ -1,0 +1,203 @@
+"""`dp replay`: send the messages of a bag again."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from contextlib import nullcontext
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dp_bringup.interrupts import Interrupts
+from dp_bringup.operator_node import Operator, operator
+from dp_tools.bags.bag import Bag
+from dp_tools.bags.errors import BagError
+from dp_tools.commands.bag_progress import reading
+from dp_tools.commands.root import Namespace, console, error_console
+from dp_tools.commands.up import INTERRUPTED
+from dp_tools.replay.keyboard import Keyboard
+from dp_tools.replay.player import Player
+from dp_tools.replay.replay_node import CLOCK_KIND, BagClock, Outlets, offer_services
+from dp_tools.replay.schedule import Schedule, make_schedule
+from dp_tools.replay.screen import Screen
+from dp_tools.replay.selection import Selection, parse_remap
+
+NODE_NAME = "dp_replay"
+# Longest wait in which a key is not looked at, ns.
+_LONGEST_WAIT = 50_000_000
+# A wait of the executor may be this much too long; the rest of it is spent looking at the time, ns.
+_WAKE_EARLY = 200_000
+# While messages follow each other closely, services and keys are looked at this often, ns.
+_SERVE_PERIOD = 10_000_000
+_RATE_STEP = 1.1  # as ros2 bag play
+
+
+class TimeOf(StrEnum):
+    """Which time of a message says when it is sent."""
+
+    PUBLISH = "publish"
+    LOG = "log"
+
+
+def replay(
+    bag: Annotated[Path, typer.Argument(metavar="BAG", help="Folder of a bag or of a run, or one MCAP file.")],
+    rate: Annotated[float, typer.Option(metavar="NUMBER", help="Bag seconds a second.")] = 1.0,
+    start: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="From here on, counted from the first message.")
+    ] = None,
+    until: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="Up to here, counted from the first message.")
+    ] = None,
+    sim_time: Annotated[
+        bool, typer.Option("--sim-time", metavar="", help="--start and --until are simulated time, by the bag's clock.")
+    ] = False,
+    time_of: Annotated[
+        TimeOf, typer.Option("--time", help="Send by the time at which messages were published, or were recorded.")
+    ] = TimeOf.PUBLISH,
+    loop: Annotated[bool, typer.Option("--loop", metavar="", help="Begin anew at the end, until Ctrl-C.")] = False,
+    topics: Annotated[
+        list[str] | None, typer.Option(metavar="TOPIC", help="Only these topics (* and ? allowed); repeatable.")
+    ] = None,
+    exclude: Annotated[
+        list[str] | None, typer.Option(metavar="TOPIC", help="Not these topics (* and ? allowed); repeatable.")
+    ] = None,
+    remap: Annotated[
+        list[str] | None, typer.Option(metavar="OLD:=NEW", help="Publish a topic under another name; repeatable.")
+    ] = None,
+    namespace: Namespace = "",
+    paused: Annotated[bool, typer.Option("--paused", metavar="", help="Stand at first.")] = False,
+    wait: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="Wait so long at most for subscribers: of every one of --topics, or of any topic. 0: for ever.",
+            min=0.0,
+        ),
+    ] = None,
+    clock: Annotated[
+        float | None, typer.Option(metavar="HZ", help="Publish a clock made from bag time, for a bag without one.")
+    ] = None,
+) -> None:
+    """Publish the messages of a bag again: as they were serialized, in their order, at their times.
+
+    Exit code 0 at the end of the bag or after q, and after Ctrl-C with --loop; 1 if something went wrong; 130 if Ctrl-C
+    or SIGTERM cut the replay short.
+    """
+    if not rate > 0.0:
+        raise typer.BadParameter("--rate: expected a number above 0")
+    if clock is not None and not clock > 0.0:
+        raise typer.BadParameter("--clock: expected a number above 0")
+    selection = Selection(topics or (), exclude or (), [parse_remap(text) for text in remap or ()], namespace)
+    try:
+        with Interrupts(), reading(bag) as opened:
+            warn_of_cut(opened)
+            names = selection.names(topic.name for topic in opened.topics)
+            if clock is not None:
+                _expect_no_clock(opened, names)
+            with operator(namespace, NODE_NAME) as one:
+                outlets = Outlets(one.node, opened, names, _warn)
+                schedule = make_schedule(opened, outlets.played, time_of.value, start, until, sim_time)
+                run = _Replay(one, outlets, schedule)
+                bag_clock = BagClock(one.node, "clock", clock, schedule.origin) if clock else None
+                if wait is not None:
+                    run.wait_for_listeners(wait or None, every=bool(topics))
+                run.play(rate, loop, paused, bag_clock)
+    except KeyboardInterrupt:
+        if not loop:  # with it, it is the way to stop
+            raise typer.Exit(INTERRUPTED) from None
+
+
+class _Replay:
+    """A bag, a node that publishes it, and who steers it."""
+
+    def __init__(self, one: Operator, outlets: Outlets, schedule: Schedule) -> None:
+        self._one = one
+        self._outlets = outlets
+        self._schedule = schedule
+
+    def wait_for_listeners(self, seconds: float | None, every: bool) -> None:
+        """Wait for subscribers, of every topic or of any. Raises NoAnswerError."""
+        ask = all if every else any
+
+        def heard() -> bool:
+            return ask(count > 0 for count in self._outlets.listeners().values())
+
+        self._one.wait_until(heard, seconds, f"subscribers of {', '.join(self._outlets.names)}")
+
+    def play(self, rate: float, loop: bool, paused: bool, clock: BagClock | None) -> None:
+        """Play until the end, or until somebody ends it."""
+        player = Player(self._schedule, self._outlets.send, time.monotonic_ns, rate, loop, paused)
+        offer_services(self._one.node, player)
+        try:
+            with Keyboard() as keyboard:
+                screen = Screen(console, player, self._schedule.end, keyboard.there)
+                with screen.live or nullcontext():
+                    self._play(player, keyboard, screen, clock)
+            self._outlets.settle()
+        finally:
+            _tell(player)
+
+    def _play(self, player: Player, keyboard: Keyboard, screen: Screen, clock: BagClock | None) -> None:
+        serve_at = 0
+        player.begin()
+        while not player.ended:
+            due = player.advance()
+            now = time.monotonic_ns()
+            if clock is not None:
+                clock.tick(now, player.position)
+                due = clock.next if due is None else min(due, clock.next)
+            wait = min(_LONGEST_WAIT if due is None else due - now, _LONGEST_WAIT)
+            if wait > _WAKE_EARLY or now >= serve_at:
+                serve_at = now + _SERVE_PERIOD
+                self._one.executor.spin_once(timeout_sec=max(0, wait - _WAKE_EARLY) * 1e-9)
+                screen.show(now)
+                for key in keyboard.pressed():
+                    if not _obey(key, player):
+                        return
+
+
+def _obey(key: str, player: Player) -> bool:
+    """Do what a key says; return False if it ends the replay."""
+    if key == " ":
+        if player.timeline.paused:
+            player.resume()
+        else:
+            player.pause()
+    elif key == "right":
+        player.step()
+    elif key == "s":
+        player.step_sample()
+    elif key == "up":
+        player.set_rate(player.timeline.rate * _RATE_STEP)
+    elif key == "down":
+        player.set_rate(player.timeline.rate / _RATE_STEP)
+    return key != "q"
+
+
+def _tell(player: Player) -> None:
+    late = ""
+    if player.timed:
+        mean = player.total_lateness / player.timed
+        late = f"; late by at most {player.worst * 1e-6:.2f} ms (at {player.worst_at * 1e-9:.3f} s), "
+        late += f"{mean * 1e-6:.3f} ms on average"
+    rounds = f" in {player.rounds} whole rounds" if player.rounds else ""
+    console.print(f"sent    {player.sent} messages{rounds}{late}", highlight=False, soft_wrap=True)
+
+
+def _warn(text: str) -> None:
+    error_console.print(f"warning: {text}", markup=False, highlight=False, soft_wrap=True)
+
+
+def warn_of_cut(bag: Bag) -> None:
+    """Say of every file of a bag that ends too early that it does."""
+    for path, error in bag.cut_off.items():
+        _warn(f"{path}: the recording was not closed; the bag ends where the file does ({error})")
+
+
+def _expect_no_clock(bag: Bag, names: Mapping[str, str]) -> None:
+    clocks = [topic.name for topic in bag.topics if topic.kind == CLOCK_KIND and topic.name in names]
+    if clocks:
+        raise BagError(f"--clock: the bag holds {clocks[0]}, which is played; leave it out with --exclude {clocks[0]}")

@@ -1,0 +1,1 @@
+"""Messages of a bag, sent again as they were sent."""
