@@ -19,7 +19,10 @@ from marine_model.settings import Settings, parameters_of, with_parameters
 PARAMETER_EVENT = "rcl_interfaces/msg/ParameterEvent"
 PARAMETER_EVENTS = "parameter_events"
 # What a loop in process is: lockstep, as fast as it can, from event to event.
-_LIKE = {SIMULATOR: {"lockstep": True, "rate": 0.0, "hold": True}, ALLOCATOR: {"initial_azimuth": "vessel"}}
+_LIKE: dict[str, dict[str, Any]] = {
+    SIMULATOR: {"lockstep": True, "rate": 0.0, "hold": True},
+    ALLOCATOR: {"initial_azimuth": "vessel"},
+}
 # Field of rcl_interfaces/msg/ParameterValue by type.
 _FIELDS = {
     ParameterType.PARAMETER_BOOL: "bool_value",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from functools import cache
 from typing import Any
 
@@ -27,9 +27,9 @@ def canonical(message: Any) -> bytes:
 
 
 @cache
-def _writers(kind: type) -> tuple[tuple[str, Callable[[Any, Add], None]], ...]:
+def _writers(kind: Any) -> tuple[tuple[str, Callable[[Any, Add], None]], ...]:
     """Return for every field of a message class how its value becomes bytes."""
-    fields = kind.get_fields_and_field_types()  # type: ignore[attr-defined]
+    fields = kind.get_fields_and_field_types()
     return tuple((name, _writer(text)) for name, text in fields.items())
 
 
@@ -48,7 +48,8 @@ def _writer(kind: str) -> Callable[[Any, Add], None]:
 
 
 def _add_message(message: Any, add: Add) -> None:
-    for name, write in _writers(type(message)):
+    kind: Hashable = type(message)
+    for name, write in _writers(kind):
         write(getattr(message, name), add)
 
 

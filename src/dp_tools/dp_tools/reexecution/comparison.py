@@ -1,4 +1,4 @@
-"""Recorded messages of a topic beside those of re-execution: what is the same, and what differs where, when, how much."""
+"""Recorded messages of a topic beside those of re-execution: what differs, where, when, and how much."""
 
 from __future__ import annotations
 

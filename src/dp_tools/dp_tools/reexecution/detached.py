@@ -7,6 +7,7 @@ as on the graph: parameters, life cycle, guarded callbacks, conversion of messag
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -19,12 +20,13 @@ from rclpy.context import Context
 from rclpy.lifecycle.managed_entity import SimpleManagedEntity
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.time import Time
 
 from dp_bringup.composed import node_factory
 from dp_node import DpNode
 from dp_tools.reexecution.canonical import canonical
+from dp_tools.reexecution.recording import Recorded
 
 _DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
@@ -60,13 +62,35 @@ class Ear:
 
     topic: str
     kind: Any
-    callback: Callable[[Any], None]
+    callback: Callable[..., None]
     quality: QoSProfile
 
     @property
     def topic_name(self) -> str:
         """Full name, as of a node in no namespace."""
         return f"/{self.topic}"
+
+    def __post_init__(self) -> None:
+        try:
+            inspect.signature(self.callback).bind(None, None)
+        except TypeError:
+            self._with_information = False
+        else:
+            self._with_information = True
+
+    def hear(self, message: Recorded) -> None:
+        """Hand a message to the callback, with what the middleware would say of it where it asks for that."""
+        found = deserialize_message(message.data, self.kind)
+        if not self._with_information:
+            self.callback(found)
+            return
+        about = {
+            "source_timestamp": message.published,
+            "received_timestamp": message.logged,
+            "publication_sequence_number": message.number,
+            "reception_sequence_number": message.number,
+        }
+        self.callback(found, about)
 
     @property
     def wants_history(self) -> bool:
@@ -92,7 +116,7 @@ class Timer:
         """Do nothing: time is not its own."""
 
 
-class Mouth(SimpleManagedEntity):  # type: ignore[misc]
+class Mouth(SimpleManagedEntity):
     """One publisher of the node: what is published while the node is active is caught."""
 
     def __init__(self, wires: Wires, kind: Any, topic: str, managed: bool) -> None:
@@ -223,6 +247,10 @@ class Detached(DpNode[Any]):
         """Say that somebody listens."""
         return 1
 
+    def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[Any]:
+        """Tell nothing of those who publish."""
+        return []
+
     def get_clock(self) -> Any:
         """Return a clock that says the time of what is being fed."""
         return SimpleNamespace(now=lambda: Time(nanoseconds=self.wires.time))
@@ -258,7 +286,8 @@ def detached_node(package: str, vessel: Path, values: dict[str, Any], time: int)
         If the node refuses to start.
     """
     wires = Wires(time=time)
-    made: Any = type(f"Detached{package}", (Detached, node_factory(package)), {"wires": wires})
+    own_class: Any = node_factory(package)
+    made: Any = type(f"Detached{own_class.__name__}", (Detached, own_class), {"wires": wires})
     own = {**values, "vessel": str(vessel), "autostart": True, "use_sim_time": False}
     own["start_type_description_service"] = False
     context = Context()

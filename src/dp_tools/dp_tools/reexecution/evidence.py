@@ -95,7 +95,8 @@ def evidence_of(name: str, node: Node) -> Evidence:
     found = Evidence()
     for time, change in node.changes:
         found.act(change, time, ())
-    used: dict[str, set[int]] = _RULES.get(name, lambda node, found: {})(node, found)
+    rule = _RULES.get(name)
+    used = rule(node, found) if rule is not None else {}
     for topic, messages in node.inputs.items():
         answered = used.get(topic)
         # What was published before the node heard anything was not heard; nor was what came after its last answer.

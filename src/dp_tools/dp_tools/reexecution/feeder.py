@@ -6,7 +6,6 @@ from typing import Any
 
 from dp_msgs.srv import Advance
 from rclpy.parameter import Parameter
-from rclpy.serialization import deserialize_message
 
 from dp_node import DpNode
 from dp_tools.node_settings import SIMULATOR
@@ -58,7 +57,7 @@ class Feeder:
             self._wires.cause = item.topic
             self._past.setdefault(item.topic, []).append(item.message)
             for ear in self._hearing(item.topic):
-                ear.callback(deserialize_message(item.message.data, ear.kind))
+                ear.hear(item.message)
         elif isinstance(item, Changed):
             self._wires.cause = CHANGE
             result = self._node.set_parameters_atomically([Parameter.from_parameter_msg(p) for p in item.parameters])
@@ -105,4 +104,4 @@ class Feeder:
         for ear in self._wires.ears[max(self._known, 0) :]:
             if ear.wants_history:
                 for message in self._past.get(ear.topic, [])[-ear.quality.depth :]:
-                    ear.callback(deserialize_message(message.data, ear.kind))
+                    ear.hear(message)

@@ -6,11 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mcap.exceptions import EndOfFile, McapError
-from mcap.records import Attachment, Channel, Message, Metadata, Schema
-from mcap.stream_reader import StreamReader
-
-from dp_tools.reexecution.errors import ReexecutionError
+from dp_tools.bags.bag import Bag
 from dp_tools.run_bag import RUN_RECORD
 
 _RING_TOPIC = "thruster_feedback"
@@ -78,23 +74,18 @@ class Recording:
     topics
         By full name.
     attachments
-        In order of time.
+        In order of time, each once.
     records
         Metadata records by name.
-    cut_short
-        True if a file ends in the middle: its recorder was killed. What was written before is there.
+    start
+        Log time of the first message, ns.
     """
 
     path: Path
     topics: dict[str, Topic]
     attachments: list[Attached]
     records: Mapping[str, Mapping[str, str]]
-    cut_short: bool = False
-
-    @property
-    def start(self) -> int:
-        """Log time of the first message, ns."""
-        return min((m.logged for topic in self.topics.values() for m in topic.messages[:1]), default=0)
+    start: int
 
     @property
     def in_process(self) -> bool:
@@ -111,57 +102,28 @@ class Recording:
         return sorted(name.removesuffix(_RING_TOPIC) for name in self.topics if name.endswith(ends))
 
 
-def read_recording(path: Path) -> Recording:
-    """Return everything in a bag, given its folder or one of its MCAP files; one that was not closed is read too.
-
-    Raises
-    ------
-    ReexecutionError
-        If there is no bag, or it cannot be read.
-    """
-    files = [path] if path.is_file() else sorted(path.glob("*.mcap"), key=_place)
-    if not files:
-        raise ReexecutionError(f"{path}: expected a bag, found no .mcap file")
-    recording = Recording(path, {}, [], {})
-    records: dict[str, Mapping[str, str]] = {}
-    for file in files:
-        try:
-            _read(file, recording, records)
-        except (OSError, McapError) as error:
-            raise ReexecutionError(f"{file}: cannot be read: {error}") from error
-    recording.records = records
-    for topic in recording.topics.values():
+def recording_of(bag: Bag) -> Recording:
+    """Return everything in an open bag. Raises BagError if a file of it has changed meanwhile."""
+    by_name: dict[str, Topic] = {}
+    # A topic may be described twice, with publishers that offer more and less.
+    topics = [by_name.setdefault(one.name, Topic(one.name, one.kind, one.definition)) for one in bag.topics]
+    found = bag.messages
+    rows = zip(
+        found.topic.tolist(),
+        found.publish_time.tolist(),
+        found.log_time.tolist(),
+        found.sequence.tolist(),
+        strict=True,
+    )
+    for row, (number, published, logged, sequence) in enumerate(rows):
+        topics[number].messages.append(Recorded(published, logged, sequence, bag.data(row)))
+    for topic in by_name.values():
         topic.messages.sort(key=lambda message: message.published)
-    recording.attachments.sort(key=lambda attached: attached.time)
-    return recording
-
-
-def _place(file: Path) -> tuple[int, str]:
-    """Return what sorts the files of a split bag: ``bag_10`` comes after ``bag_9``."""
-    number = file.stem.rpartition("_")[2]
-    return (int(number) if number.isdigit() else 0, file.name)
-
-
-def _read(file: Path, recording: Recording, records: dict[str, Mapping[str, str]]) -> None:
-    schemas: dict[int, Schema] = {}
-    channels: dict[int, Topic] = {}
-    seen = {(one.name, one.time) for one in recording.attachments}
-    with file.open("rb") as stream:
-        try:
-            for record in StreamReader(stream).records:
-                if isinstance(record, Message):
-                    message = Recorded(record.publish_time, record.log_time, record.sequence, record.data)
-                    channels[record.channel_id].messages.append(message)
-                elif isinstance(record, Schema):
-                    schemas[record.id] = record
-                elif isinstance(record, Channel) and record.id not in channels:
-                    schema = schemas[record.schema_id]
-                    made = Topic(record.topic, schema.name, schema.data.decode(errors="replace"))
-                    channels[record.id] = recording.topics.setdefault(record.topic, made)
-                elif isinstance(record, Attachment) and (record.name, record.log_time) not in seen:
-                    # A bag that is split may have them in every file.
-                    recording.attachments.append(Attached(record.name, record.log_time, record.data))
-                elif isinstance(record, Metadata):
-                    records.setdefault(record.name, record.metadata)
-        except EndOfFile:
-            recording.cut_short = True
+    attached = {(one.name, one.log_time): Attached(one.name, one.log_time, one.data) for one in bag.attachments}
+    return Recording(
+        bag.files.path,
+        by_name,
+        sorted(attached.values(), key=lambda one: one.time),
+        {record.name: record.metadata for record in reversed(bag.records)},
+        min(found.log_time.tolist(), default=0),
+    )

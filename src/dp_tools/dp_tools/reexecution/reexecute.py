@@ -18,8 +18,8 @@ from dp_tools.recorder.attachments import VESSEL_ATTACHMENT
 from dp_tools.reexecution.detached import Caught, detached_node
 from dp_tools.reexecution.errors import ReexecutionError
 from dp_tools.reexecution.evidence import Evidence, Node, evidence_of, in_process_evidence
-from dp_tools.reexecution.node_parameters import NodeParameters, node_parameters
 from dp_tools.reexecution.feeder import Feeder
+from dp_tools.reexecution.node_parameters import NodeParameters, node_parameters
 from dp_tools.reexecution.order import Order, merge
 from dp_tools.reexecution.recording import Recorded, Recording
 from dp_tools.reexecution.run import Progress, Run

@@ -75,7 +75,7 @@ class Run:
                 saved.clear()  # parameters are beyond what is kept
 
     def _resolve(self, act: int) -> bool:
-        """Look for an order that gives the recorded output up to ``act``; leave things as they were if there is none."""
+        """Look for an order that gives the recorded output up to ``act``; leave all as it was if there is none."""
         places = list(self._order.place)
         saved = list(self._saved)
         for k in range(len(saved) - 1, -1, -1):
