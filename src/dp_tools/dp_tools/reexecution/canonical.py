@@ -9,7 +9,7 @@ import struct
 from array import array
 from collections.abc import Callable, Hashable
 from functools import cache
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -48,8 +48,7 @@ def _writer(kind: str) -> Callable[[Any, Add], None]:
 
 
 def _add_message(message: Any, add: Add) -> None:
-    kind: Hashable = type(message)
-    for name, write in _writers(kind):
+    for name, write in _writers(cast(Hashable, type(message))):
         write(getattr(message, name), add)
 
 

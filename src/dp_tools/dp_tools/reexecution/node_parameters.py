@@ -80,7 +80,17 @@ def node_parameters(recording: Recording, namespace: str, node: str, given: Mapp
         kept = [one for one in [*event.changed_parameters, *later] if one.name not in given and one.name not in PACE]
         if kept:
             changes.append((time, Changed(tuple(kept))))
-    return NodeParameters({**start, **given}, changes, notes)
+    fitted = {name: _fit(value, start.get(name)) for name, value in given.items()}
+    return NodeParameters({**start, **fitted}, changes, notes)
+
+
+def _fit(value: Any, recorded: Any) -> Any:
+    """Return a whole number as a real one where the recorded value is real."""
+    if isinstance(recorded, float) and type(value) is int:
+        return float(value)
+    if isinstance(recorded, list) and isinstance(value, list) and any(isinstance(one, float) for one in recorded):
+        return [float(one) if type(one) is int else one for one in value]
+    return value
 
 
 def _events(recording: Recording, full_name: str) -> list[tuple[int, ParameterEvent]]:

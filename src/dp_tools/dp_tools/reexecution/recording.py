@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from dp_tools.bags.bag import Bag
 from dp_tools.run_bag import RUN_RECORD
@@ -44,6 +45,8 @@ class Topic:
         Message type, e.g. ``nav_msgs/msg/Odometry``.
     definition
         Full text of the message definition (ros2msg), as recorded.
+    offered_quality
+        Of its publishers, in rosbag2's words.
     messages
         In order of publish time.
     """
@@ -51,6 +54,7 @@ class Topic:
     name: str
     kind: str
     definition: str
+    offered_quality: tuple[Mapping[str, Any], ...] = ()
     messages: list[Recorded] = field(default_factory=list)
 
 
@@ -106,7 +110,10 @@ def recording_of(bag: Bag) -> Recording:
     """Return everything in an open bag. Raises BagError if a file of it has changed meanwhile."""
     by_name: dict[str, Topic] = {}
     # A topic may be described twice, with publishers that offer more and less.
-    topics = [by_name.setdefault(one.name, Topic(one.name, one.kind, one.definition)) for one in bag.topics]
+    topics = [
+        by_name.setdefault(one.name, Topic(one.name, one.kind, one.definition, one.offered_quality))
+        for one in bag.topics
+    ]
     found = bag.messages
     rows = zip(
         found.topic.tolist(),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -12,17 +13,18 @@ from typing import Any
 from dp_msgs.msg import ActuatorSetpoint
 from rclpy.serialization import deserialize_message
 
-from dp_node import to_nanoseconds
-from dp_tools.node_settings import SIMULATOR
+from dp_node import DpNode, to_nanoseconds
+from dp_tools.node_settings import ALLOCATOR, CONTROLLER, DRIVERS, OBSERVER, SIMULATOR
 from dp_tools.recorder.attachments import VESSEL_ATTACHMENT
 from dp_tools.reexecution.detached import Caught, detached_node
 from dp_tools.reexecution.errors import ReexecutionError
 from dp_tools.reexecution.evidence import Evidence, Node, evidence_of, in_process_evidence
 from dp_tools.reexecution.feeder import Feeder
 from dp_tools.reexecution.node_parameters import NodeParameters, node_parameters
-from dp_tools.reexecution.order import Order, merge
+from dp_tools.reexecution.order import merge
 from dp_tools.reexecution.recording import Recorded, Recording
 from dp_tools.reexecution.run import Progress, Run
+from dp_tools.reexecution.stamps import stamp_of
 from dp_tools.reexecution.trial import Matcher, State
 
 # Simulated time over wall time: every step that the simulator is told to make is due at once.
@@ -68,20 +70,36 @@ class Reexecution:
         Messages by topic.
     kinds
         Message class by topic.
-    order
-        In which inputs were fed.
+    class_name
+        Of the node.
     steps
-        How many.
+        Number of messages and changes that were fed.
     notes
-        What the bag did not say for certain.
+        What the bag does not say for certain, and what the present code takes otherwise.
+    moved
+        How often the outputs told the order of inputs, where publish times leave it open.
     """
 
     subject: Subject
     outputs: dict[str, list[Caught]]
     kinds: dict[str, Any]
-    order: Order[Any]
+    class_name: str
     steps: int
     notes: list[str]
+    moved: int
+
+    @property
+    def types(self) -> dict[str, str]:
+        """Message type by topic, e.g. ``nav_msgs/msg/Odometry``."""
+        return {
+            topic: "/".join((kind.__module__.split(".")[0], "msg", kind.__name__)) for topic, kind in self.kinds.items()
+        }
+
+    @property
+    def simulated(self) -> float:
+        """Simulated time from the first to the last output, s."""
+        stamps = [stamp_of(one.data) for caught in self.outputs.values() for one in (*caught[:1], *caught[-1:])]
+        return (max(stamps) - min(stamps)) * 1e-9 if stamps else 0.0
 
 
 def reexecute(subject: Subject, progress: Progress = lambda done, of: None) -> Reexecution:
@@ -96,29 +114,58 @@ def reexecute(subject: Subject, progress: Progress = lambda done, of: None) -> R
     """
     recording = subject.recording
     parameters = node_parameters(recording, subject.namespace, subject.name, subject.given)
-    with _vessel_file(recording) as vessel:
-        start = _start(subject, parameters)
-        with detached_node(subject.name, vessel, start, recording.start) as (node, wires):
-            kinds = {topic: mouth.kind for topic, mouth in wires.mouths.items()}
-            evidence = _evidence(subject, list(kinds), parameters)
-            order = merge(evidence.acts, evidence.loose)
-            feeder = Feeder(subject.name, node, wires, bool(start.get("lockstep")))
-            known = subject.recording.in_process or start.get("synchronous") or start.get("lockstep")
-            recorded = {topic: subject.messages(topic) for topic in kinds}
-            run = Run(order, feeder, Matcher(wires, recorded), None if known else State(node, wires))
-            run.all(progress)
-            feeder.end()
+    start = _start(subject, parameters)
+    with _vessel_file(recording) as vessel, detached_node(subject.name, vessel, start, recording.start) as made:
+        node, wires = made
+        notes = [*parameters.notes, *_parameter_notes(node, subject, parameters)]
+        kinds = {topic: mouth.kind for topic, mouth in wires.mouths.items()}
+        evidence = _evidence(subject, list(kinds), parameters)
+        notes += _gap_notes(subject, [*INPUTS[subject.name], *kinds])
+        order = merge(evidence.acts, evidence.loose)
+        feeder = Feeder(subject.name, node, wires, bool(start.get("lockstep")))
+        # A run in process and lockstep leave nothing open; with another setting the recorded outputs tell nothing.
+        known = recording.in_process or start.get("synchronous") or start.get("lockstep") or subject.given
+        recorded = {topic: subject.messages(topic) for topic in kinds}
+        run = Run(order, feeder, Matcher(wires, recorded), None if known else State(node, wires))
+        run.all(progress)
+        feeder.end()
+        class_name = type(node).__mro__[2].__name__
     outputs: dict[str, list[Caught]] = {topic: [] for topic in kinds}
     for caught in wires.caught:
         outputs[caught.topic].append(caught)
-    notes = parameters.notes + feeder.notes
+    notes += feeder.notes
     if run.moved:
-        notes.append(f"where publish times leave the order open, the outputs told it: {run.moved} times")
+        notes.append(f"{run.moved} times publish times left the order of inputs open, and the outputs told it")
     if run.gave_up is not None:
         notes.append(
-            f"from step {run.gave_up} of {len(order.acts)} on, no order of the inputs gives the recorded outputs"
+            f"from input {run.gave_up} of {len(order.acts)} on, no order of inputs gives the recorded outputs; "
+            "differences after the first may come from another order"
         )
-    return Reexecution(subject, outputs, kinds, order, len(order), notes)
+    return Reexecution(subject, outputs, kinds, class_name, len(order), notes, run.moved)
+
+
+def _parameter_notes(node: DpNode[Any], subject: Subject, parameters: NodeParameters) -> list[str]:
+    """Return where the parameters of the present node are not those of the recorded one. Raises ReexecutionError."""
+    unknown = [name for name in subject.given if not node.has_parameter(name)]
+    if unknown:
+        raise ReexecutionError(f"--set: {subject.name} has no parameter {unknown[0]}")
+    gone = sorted(name for name in parameters.start if not node.has_parameter(name))
+    return [f"the present {subject.name} has no parameter {', '.join(gone)}"] if gone else []
+
+
+def _gap_notes(subject: Subject, topics: Sequence[str]) -> list[str]:
+    """Return what is missing in the bag, by the numbers that publishers give their messages."""
+    notes = []
+    for topic in topics:
+        numbers = [message.number for message in subject.messages(topic) if message.number]
+        if not numbers:
+            continue
+        if numbers[0] > 1:
+            notes.append(f"the recording begins with message {numbers[0]} of {topic}; what was before is not known")
+        lost = sum(b - a - 1 for a, b in pairwise(numbers) if b > a)
+        if lost:
+            notes.append(f"{lost} messages of {topic} are missing in the bag, or another publisher was there")
+    return notes
 
 
 @contextmanager
@@ -147,7 +194,7 @@ def _start(subject: Subject, parameters: NodeParameters) -> dict[str, Any]:
 
 
 def _evidence(subject: Subject, outputs: Sequence[str], parameters: NodeParameters) -> Evidence:
-    inputs = _INPUTS.get(subject.name, ())
+    inputs = INPUTS[subject.name]
     node = Node(
         {topic: subject.messages(topic) for topic in inputs},
         {topic: subject.messages(topic) for topic in outputs},
@@ -161,12 +208,13 @@ def _evidence(subject: Subject, outputs: Sequence[str], parameters: NodeParamete
     return (in_process_evidence if subject.recording.in_process else evidence_of)(subject.name, node)
 
 
-_INPUTS: Mapping[str, tuple[str, ...]] = {
-    "dp_observer": ("pose", "tau_achieved"),
-    "dp_controller": ("odometry", "tau_achieved", "setpoint", "joystick", "path", "wind"),
-    "thrust_allocator": ("tau_desired", "thruster_feedback", "ventilation"),
-    "thruster_drivers": ("thruster_feedback", "thruster_command"),
-    "vessel_sim": ("actuator_setpoint",),
+# All that a node may listen to; to some it does only while a setting asks for them.
+INPUTS: Mapping[str, tuple[str, ...]] = {
+    OBSERVER: ("pose", "tau_achieved"),
+    CONTROLLER: ("odometry", "tau_achieved", "setpoint", "joystick", "path", "wind"),
+    ALLOCATOR: ("tau_desired", "thruster_feedback", "ventilation"),
+    DRIVERS: ("thruster_feedback", "thruster_command"),
+    SIMULATOR: ("actuator_setpoint",),
 }
 
 
