@@ -12,6 +12,12 @@ from dp_tools.reexecution.comparison import FieldDifference, Spot, TopicComparis
 from dp_tools.reexecution.fields import Value
 
 
+# First difference of a field; in how many messages; the largest of them, and when.
+_COLUMNS = ("topic", "field", "message", "time", "in bag", "recorded", "found", "differ", "largest", "at")
+# Numbers are shown to the last digit, however wide the terminal is.
+_WIDTH = 240
+
+
 def verdict_table(name: str, comparisons: Iterable[TopicComparison], not_recorded: Iterable[str]) -> Table:
     """Return one line a topic: how many messages, and how many of them are the same."""
     table = Table(title=name, title_justify="left", box=None, pad_edge=False)
@@ -34,10 +40,8 @@ def verdict_table(name: str, comparisons: Iterable[TopicComparison], not_recorde
 def difference_table(comparisons: Iterable[TopicComparison]) -> Table:
     """Return one line a field that differs: the first difference, the largest, and in how many messages."""
     table = Table(box=None, pad_edge=False)
-    for column in ("topic", "field", "message", "simulated s", "bag s", "recorded", "found", "differ"):
-        table.add_column(column, justify="left" if column in ("topic", "field") else "right")
-    table.add_column("largest", justify="right")
-    table.add_column("at simulated s", justify="right")
+    for column in _COLUMNS:
+        table.add_column(column, justify="left" if column in _COLUMNS[:2] else "right", no_wrap=True)
     for one in comparisons:
         for spot, count in ((one.missing_from, len(one.missing)), (one.extra_from, len(one.extra))):
             if spot is not None:
@@ -51,15 +55,15 @@ def show(console: Console, title: str, comparisons: list[TopicComparison], not_r
     """Print what was found of one node."""
     console.print(verdict_table(title, comparisons, not_recorded))
     if not all(one.agrees for one in comparisons):
-        console.print(difference_table(comparisons), soft_wrap=True)
+        console.print(difference_table(comparisons), width=_WIDTH, crop=False, soft_wrap=True, no_wrap=True)
 
 
 def _spot(spot: Spot) -> tuple[str, ...]:
     return (
         spot.path,
         str(spot.index),
-        f"{spot.simulated:.3f}",
-        f"{spot.bag:.3f}",
+        f"{spot.simulated:.3f} s",
+        f"{spot.bag:.3f} s",
         _value(spot.recorded),
         _value(spot.found),
     )
@@ -67,7 +71,7 @@ def _spot(spot: Spot) -> tuple[str, ...]:
 
 def _largest(difference: FieldDifference) -> tuple[str, str]:
     size = difference.largest.size
-    return ("" if math.isinf(size) else f"{size:.6g}", f"{difference.largest.simulated:.3f}")
+    return ("" if math.isinf(size) else f"{size:.6g}", f"{difference.largest.simulated:.3f} s")
 
 
 def _value(value: Value | None) -> str:
