@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 import rclpy
 import yaml
+from diagnostic_msgs.msg import DiagnosticArray
 from dp_msgs.msg import ThrusterCommand
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
@@ -28,7 +29,7 @@ from rosbags.highlevel import AnyReader
 from std_msgs.msg import String
 
 from dp_bringup.workspace import executable
-from dp_node import RING
+from dp_node import RING, Level
 from dp_tools.recorder.quality import DEPTH, matching_quality
 from support.waiting import wait_until
 
@@ -55,6 +56,26 @@ class Recording:
             self.process.send_signal(number)
         out, error = self.process.communicate(timeout=30.0)
         return self.process.returncode, out, error
+
+
+class Diagnostics:
+    """What the recorder says of itself, taken without an executor."""
+
+    def __init__(self, node: Node) -> None:
+        self._subscription = node.create_subscription(DiagnosticArray, "/diagnostics", lambda message: None, RING)
+        self.status: Any = None
+
+    def take(self) -> None:
+        while (taken := self._subscription.handle.take_message(DiagnosticArray, False)) is not None:
+            self.status = taken[0].status[0]
+
+    @property
+    def level(self) -> int | None:
+        return None if self.status is None else self.status.level[0]
+
+    @property
+    def values(self) -> dict[str, str]:
+        return {value.key: value.value for value in self.status.values}
 
 
 @pytest.fixture
@@ -117,7 +138,8 @@ def test_every_message_is_in_the_bag_with_its_times(node: Node, tmp_path: Path, 
         acknowledged(publisher)
     after = time.time_ns()
     code, out, error = recording.end(number)
-    assert (code, error) == (0, "")
+    # This node answers nobody.
+    assert (code, error) == (0, "recorder: parameters of /talker are not in the bag: no answer\n")
     assert "lost 0" in out
 
     found = decoded(folder, "/odometry")
@@ -195,7 +217,7 @@ def test_only_chosen_topics(node: Node, tmp_path: Path) -> None:
     acknowledged(publishers[2])
     assert recording.end()[0] == 0
     topics = [t["topic_metadata"]["name"] for t in information(tmp_path / "bag")["topics_with_message_count"]]
-    assert sorted(topics) == ["/a", "/c"]
+    assert sorted(topics) == ["/a", "/c", "/parameter_events"]
 
 
 def test_vessel_and_scenario_are_attached(node: Node, tmp_path: Path) -> None:
@@ -258,12 +280,18 @@ def test_a_write_that_fails_ends_the_recording_with_a_readable_bag(node: Node, t
     recording = Recording(folder, prepare=small_files)
     until_heard(publisher)
     noise = random.Random(1)
+    health = Diagnostics(node)
     wait_until(
-        lambda: recording.process.poll() is not None,
+        lambda: health.level == Level.ERROR,
         timeout=60.0,
-        spin=lambda _: publisher.publish(String(data=noise.randbytes(5_000).hex())),
+        message=lambda: f"an alarm, have {health.status}",
+        spin=lambda _: (publisher.publish(String(data=noise.randbytes(5_000).hex())), health.take()),
     )
-    code, _, error = recording.end(None)
+    assert "File too large" in health.values["alarm.RECORDER-WRITE-FAILED"]
+    # It is there to say so until it is told to end, and keeps nobody's messages meanwhile.
+    wait_until(lambda: publisher.get_subscription_count() == 0)
+    assert recording.process.poll() is None
+    code, _, error = recording.end()
     assert code == 1
     assert "recording stopped: File too large" in error
     assert "Traceback" not in error

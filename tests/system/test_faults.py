@@ -139,16 +139,22 @@ def small_disk(tmp_path: Path) -> tuple[str | Path, ...]:
     return (*mount[:-1], mount[-1] + f'cp -r "$0" "{tmp_path}/kept"; exit $code', tmp_path / "run")
 
 
-def test_a_disk_that_fills_up_stops_the_run_and_leaves_a_readable_bag(
-    scenario: Path, small_disk: tuple[str | Path, ...]
+def test_a_disk_that_fills_up_stops_the_recording_not_the_run_and_leaves_a_readable_bag(
+    tmp_path: Path, small_disk: tuple[str | Path, ...]
 ) -> None:
+    # Long enough for several times what the disk takes.
+    scenario = write_scenario(tmp_path, 120.0, events=[{"at": 0.0, "setpoint": [0.1, 0.0, 0.0]}])
     with up(scenario, "--composed", "--rate", "0", prefix=small_disk) as process:
         assert process.wait() == 1
-        assert "error: recorder ended by itself (exit code 1)" in process.output
-        assert "recording stopped: No space left on device" in process.output
+        # At once, and again in the end.
+        now, _, later = process.output.partition("the graph sails on without a recording")
+        assert "bag_0.mcap: recording stopped: No space left on device" in now
+        assert "120 of 120 s" in later
+        assert "error: recorder stopped with exit code 1" in later
         assert "Traceback" not in process.output
         assert process.left_behind() == []
     check_bag(scenario.parent / "kept" / "bag")
+    assert read_bag(scenario.parent / "kept" / "bag").run["power"].t[-1] < 110.0
 
 
 def test_no_room_for_a_recording_is_said_before_a_node_starts(scenario: Path) -> None:

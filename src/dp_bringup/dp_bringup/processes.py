@@ -8,7 +8,8 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
@@ -23,10 +24,29 @@ class ChildDiedError(DpError):
 
 
 class Child:
-    """One process, its output kept in a log file and its last lines at hand."""
+    """One process, its output kept in a log file and its last lines at hand.
 
-    def __init__(self, name: str, command: Sequence[str | Path], log_file: Path) -> None:
+    Parameters
+    ----------
+    name
+        For messages.
+    command
+        What to run.
+    log_file
+        For its output.
+    heard
+        Called with every line of its output, in a thread of its own.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        command: Sequence[str | Path],
+        log_file: Path,
+        heard: Callable[[str], None] = lambda line: None,
+    ) -> None:
         self.name = name
+        self._heard = heard
         self._tail: collections.deque[str] = collections.deque(maxlen=_TAIL_LINES)
         self._process = subprocess.Popen(
             [str(part) for part in command],
@@ -49,10 +69,18 @@ class Child:
         self._reader.start()
 
     def _read(self, stream: IO[str]) -> None:
+        logged = True
         for line in stream:
             self._tail.append(line.rstrip())
-            self._log.write(line)
-            self._log.flush()
+            self._heard(line.rstrip())
+            if logged:
+                try:
+                    self._log.write(line)
+                    self._log.flush()
+                except OSError as error:
+                    # On a full disk: the process must not wait for somebody to read on.
+                    logged = False
+                    self._tail.append(f"(no more is kept: {error.strerror or error})")
 
     @property
     def pid(self) -> int:
@@ -87,7 +115,8 @@ class Child:
     def close(self) -> None:
         """Close the log; the process must have ended."""
         self._reader.join(timeout=1.0)
-        self._log.close()
+        with suppress(OSError):  # what a full disk did not take has been said already
+            self._log.close()
 
 
 class Children:
@@ -107,9 +136,11 @@ class Children:
         self._children: list[Child] = []
         log_folder.mkdir(parents=True, exist_ok=True)
 
-    def start(self, name: str, command: Sequence[str | Path]) -> Child:
-        """Start a process."""
-        child = Child(name, command, self._folder / f"{name}.log")
+    def start(
+        self, name: str, command: Sequence[str | Path], heard: Callable[[str], None] = lambda line: None
+    ) -> Child:
+        """Start a process; ``heard`` is called with every line of its output, in a thread."""
+        child = Child(name, command, self._folder / f"{name}.log", heard)
         self._children.append(child)
         return child
 
@@ -123,9 +154,11 @@ class Children:
         """Processes that have not ended."""
         return tuple(child for child in self._children if child.exit_code is None)
 
-    def check(self) -> None:
-        """Raise ChildDiedError if a process has ended by itself."""
+    def check(self, leave_out: Collection[Child] = ()) -> None:
+        """Raise ChildDiedError if a process has ended by itself; somebody else looks after those left out."""
         for child in self._children:
+            if child in leave_out:
+                continue
             code = child.exit_code
             if code is not None:
                 raise ChildDiedError(f"{child.name} ended by itself ({explain_exit(code)}), {child.last_words()}")

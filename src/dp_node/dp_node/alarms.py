@@ -330,6 +330,11 @@ ALARMS = _table(
     ),
     # Recorder
     _warn("RECORDER-MESSAGES-LOST", "messages lost", "Record fewer topics, or free the processor and the disk."),
+    _warn(
+        "RECORDER-PARAMETERS-MISSING",
+        "a node does not tell its parameters: they are not in the bag",
+        "See whether the node hangs; one without parameter services can be left aside.",
+    ),
     _error("RECORDER-DISK-FULL", "the disk is full: recording has stopped", "Free the disk and record anew."),
     _error("RECORDER-WRITE-FAILED", "a write failed: recording has stopped", "See the disk, and record anew."),
     # Supervisor

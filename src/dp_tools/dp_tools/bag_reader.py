@@ -22,6 +22,7 @@ from rosbags.typesys import TypesysError
 from rosbags.typesys.store import Typestore
 
 from dp_tools.bags.errors import BagError
+from dp_tools.bags.files import bag_files
 from dp_tools.cdr.bulk import Batch, batches
 from dp_tools.cdr.layout import LayoutError
 from dp_tools.cdr.types import types_of
@@ -245,7 +246,7 @@ def read_bag(path: Path, vessel: str = "") -> RecordedRun:
     Parameters
     ----------
     path
-        Folder of the bag, or its MCAP file.
+        Folder of the bag, or one MCAP file.
     vessel
         Name or path of the vessel, for a bag that holds none.
 
@@ -256,35 +257,77 @@ def read_bag(path: Path, vessel: str = "") -> RecordedRun:
     DpError
         If the vessel or scenario in it is not valid.
     """
-    file = bag_file(path)
-    try:
-        with file.open("rb") as stream:
-            return _read(stream, file, vessel)
-    except (OSError, McapError) as error:
-        raise BagError(f"{file}: cannot be read: {error}") from error
+    parts = []
+    for file in bag_files(path).files:
+        try:
+            with file.open("rb") as stream:
+                parts.append(_read_part(stream, file))
+        except (OSError, McapError) as error:
+            raise BagError(f"{file}: cannot be read: {error}") from error
+    return _read(parts, path, vessel)
 
 
-def _read(stream: IO[bytes], file: Path, vessel_name: str) -> RecordedRun:
+@dataclass
+class _Part:
+    """What one file of a bag holds; messages by the full name of their topic."""
+
+    schemas: dict[str, str]
+    attachments: dict[str, bytes]
+    records: dict[str, Mapping[str, str]]
+    raw: dict[str, _Raw]
+
+
+def _read_part(stream: IO[bytes], file: Path) -> _Part:
     reader = make_reader(stream)
     summary = reader.get_summary()
     if summary is None:
         raise BagError(f"{file}: has no summary; the recording was not closed")
-    attachments = {attachment.name: attachment.data for attachment in reader.iter_attachments()}
-    records = {record.name: record.metadata for record in reader.iter_metadata()}
-    vessel, scenario = documents(attachments, vessel_name, file)
-    collector = _Collector(vessel)
-    raw = _raw_messages(stream, summary, file)
     try:
         schemas = {schema.name: schema.data.decode() for schema in summary.schemas.values()}
+    except UnicodeDecodeError as error:
+        raise BagError(f"{file}: cannot be read: {error}") from error
+    attachments = {attachment.name: attachment.data for attachment in reader.iter_attachments()}
+    records = {record.name: record.metadata for record in reader.iter_metadata()}
+    return _Part(schemas, attachments, records, _raw_messages(stream, summary))
+
+
+def _read(parts: list[_Part], path: Path, vessel_name: str) -> RecordedRun:
+    # Files after the first repeat what belongs to every file.
+    attachments = {name: data for part in reversed(parts) for name, data in part.attachments.items()}
+    records = {name: values for part in reversed(parts) for name, values in part.records.items()}
+    schemas = {name: text for part in parts for name, text in part.schemas.items()}
+    vessel, scenario = documents(attachments, vessel_name, path)
+    collector = _Collector(vessel)
+    raw = _joined(parts, path)
+    try:
         types = types_of({one.kind: schemas[one.kind] for one in raw})
         for one in raw:
             collector.take(one, types)
-    except (LayoutError, TypesysError, UnicodeDecodeError) as error:
-        raise BagError(f"{file}: cannot be read: {error}") from error
+    except (LayoutError, TypesysError) as error:
+        raise BagError(f"{path}: cannot be read: {error}") from error
     run = _run(collector, vessel, scenario)
     pace = next((one for one in raw if one.topic.name == _PACE_TOPIC), None)
     info = _info(records, vessel, scenario, run.duration, pace)
     return RecordedRun(RunData(info, run.thrusters, run.series, run.labels), vessel, scenario)
+
+
+def _joined(parts: list[_Part], path: Path) -> list[_Raw]:
+    """Return the messages of all files by topic, in the order of the files."""
+    joined: dict[str, _Raw] = {}
+    for part in parts:
+        for name, one in part.raw.items():
+            whole = joined.setdefault(name, _Raw(one.topic, one.kind, []))
+            if whole.kind != one.kind:
+                raise BagError(f"{path}: {name}: expected one type, found {whole.kind} and {one.kind}")
+            whole.data += one.data
+            whole.first, whole.last = whole.first or one.first, one.last or whole.last
+    if not joined:
+        raise BagError(f"{path}: holds none of the topics {', '.join(_BY_NAME)}")
+    shown = [one.topic.name for one in joined.values()]
+    for short in shown:
+        if shown.count(short) > 1:
+            raise BagError(f"{path}: expected one graph, found {short} in two namespaces")
+    return [one for one in joined.values() if one.data]
 
 
 def _run(collector: _Collector, vessel: Vessel, scenario: Scenario | None) -> RunData:
@@ -330,24 +373,22 @@ def _info(
     )
 
 
-def _raw_messages(stream: IO[bytes], summary: Summary, file: Path) -> list[_Raw]:
-    """Return the messages of every topic that counts."""
+def _raw_messages(stream: IO[bytes], summary: Summary) -> dict[str, _Raw]:
+    """Return the messages of every topic that counts, by its full name."""
+    by_name: dict[str, _Raw] = {}
     found: dict[int, _Raw] = {}
     for channel in summary.channels.values():
         short = channel.topic.rpartition("/")[2]
         if short in _BY_NAME:
-            if any(raw.topic.name == short for raw in found.values()):
-                raise BagError(f"{file}: expected one graph, found {short} in two namespaces")
-            found[channel.id] = _Raw(_BY_NAME[short], summary.schemas[channel.schema_id].name, [])
-    if not found:
-        raise BagError(f"{file}: holds none of the topics {', '.join(_BY_NAME)}")
+            kind = summary.schemas[channel.schema_id].name
+            found[channel.id] = by_name.setdefault(channel.topic, _Raw(_BY_NAME[short], kind, []))
     for channel_id, log_time, data in _messages(stream):
         raw = found.get(channel_id)
         if raw is not None:
             raw.first = raw.first or log_time
             raw.last = log_time
             raw.data.append(data)
-    return [raw for raw in found.values() if raw.data]
+    return by_name
 
 
 def _messages(stream: IO[bytes]) -> Iterator[tuple[int, int, bytes]]:

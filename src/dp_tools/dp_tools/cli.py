@@ -7,6 +7,7 @@ from dp_tools.commands.detection import detection
 from dp_tools.commands.open_water import open_water_app
 from dp_tools.commands.parameters import parameters_app
 from dp_tools.commands.propeller import propeller
+from dp_tools.commands.record import record
 from dp_tools.commands.replay import replay
 from dp_tools.commands.report import report
 from dp_tools.commands.root import app, main
@@ -16,6 +17,7 @@ from dp_tools.commands.up import up
 from dp_tools.commands.vessels import vessel_app
 
 app.command()(up)
+app.command()(record)
 app.command()(replay)
 app.command()(report)
 app.command()(topics)

@@ -18,6 +18,8 @@ from dp_bringup.processes import Child, Children
 from dp_bringup.workspace import executable, share
 from dp_tools.conductor import Conductor
 from dp_tools.recorder import RECORDER_EARS
+from dp_tools.recorder.compression import DEFAULT_COMPRESSION
+from dp_tools.recording_watch import RecordingWatch
 from dp_tools.run_files import Pace, start_parameters, write_start_parameters
 from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario
@@ -54,6 +56,8 @@ class GraphRun:
         Namespace of the whole graph, empty for none.
     overwrite
         True to replace a recording that is there.
+    compression
+        Of the recording: zstd, lz4 or none.
     """
 
     folder: RunFolder
@@ -64,24 +68,29 @@ class GraphRun:
     composed: bool
     namespace: str = ""
     overwrite: bool = False
+    compression: str = DEFAULT_COMPRESSION
 
     def sail(
         self,
         say: Callable[[str], None],
         progress: Callable[[float], None],
         arrived: Callable[[Sequence[Child]], None] = lambda running: None,
+        warn: Callable[[str], None] = lambda text: None,
     ) -> None:
         """Run to the end of the scenario, or until interrupted.
 
         ``say`` is told what begins, ``progress`` the simulated time (s) now and then, and ``arrived`` the processes
-        of the graph when the scenario has been played and before any of them is stopped.
+        of the graph when the scenario has been played and before any of them is stopped. ``warn`` is told at once that
+        the recording has come to its end before the run, which goes on without it.
 
         Raises
         ------
         GraphRunningError
             If the graph runs already.
+        UncleanStopError
+            If the run went through, but the recorder or the end of a process was not as it should be.
         DpError
-            If a process dies or refuses to start, or a node does not answer; everything is stopped first.
+            If a process of the graph dies or refuses to start, or a node does not answer; everything is stopped first.
         KeyboardInterrupt
             On SIGINT, SIGTERM or SIGHUP; everything is stopped first.
         """
@@ -92,17 +101,25 @@ class GraphRun:
                     f"ROS domain {domain}, namespace /{self.namespace.strip('/')}: expected no graph, found one that "
                     "another dp up runs; stop it, or choose another --namespace or ROS_DOMAIN_ID"
                 )
-            self._sail(say, progress, arrived)
+            self._sail(say, progress, arrived, warn)
 
     def _sail(
         self,
         say: Callable[[str], None],
         progress: Callable[[float], None],
         arrived: Callable[[Sequence[Child]], None],
+        warn: Callable[[str], None],
     ) -> None:
         children = Children(self.folder.logs)
         recorders: list[Child] = []
+        recording = RecordingWatch(self.folder.bag, warn)
+
+        def watch() -> None:
+            children.check(leave_out=recorders)
+            recording.look()
+
         problems: list[str] = []
+        interrupted: KeyboardInterrupt | None = None
         with Interrupts() as interrupts:
             try:
                 with operator(self.namespace) as one:
@@ -113,8 +130,11 @@ class GraphRun:
                     if self.record:
                         say("starting recorder")
                         with interrupts.held_back():
-                            recorders.append(self._start_recorder(children))
+                            recorders.append(self._start_recorder(children, recording.hear))
                         one.wait_until(lambda: is_there(one, RECORDER_EARS), START_SECONDS, "the recorder")
+                        # From here on the graph does without it, if it must.
+                        recording.recorder = recorders[0]
+                        one.watch = watch
                     say("starting nodes")
                     with interrupts.held_back():
                         self._start_nodes(children)
@@ -122,9 +142,15 @@ class GraphRun:
                     # A graph that announces itself late has been heard of by now.
                     self._refuse_company(one, ours=1)
                     if self.record:
-                        one.wait_until(lambda: not unheard(one, RECORDER_EARS), START_SECONDS, "the recorder to listen")
+                        one.wait_until(
+                            lambda: recording.over or not unheard(one, RECORDER_EARS),
+                            START_SECONDS,
+                            "the recorder to listen",
+                        )
                     self._conduct(one, say, progress)
                     arrived(children.running)
+            except KeyboardInterrupt as error:
+                interrupted = error
             finally:
                 # However often somebody asks for it: nothing is left running.
                 with interrupts.ignored():
@@ -133,9 +159,12 @@ class GraphRun:
                     # The recorder goes last, so that it has what the nodes said on their way out.
                     nodes = [child for child in children.all if child not in recorders]
                     problems += children.stop(nodes)
+                    problems += recording.problems()
                     problems += children.stop()
         if problems:
-            raise UncleanStopError("\n".join(problems))
+            raise UncleanStopError("\n".join(problems)) from interrupted
+        if interrupted is not None:
+            raise interrupted
 
     def _refuse_company(self, one: Operator, ours: int) -> None:
         """Raise GraphRunningError if more than ``ours`` nodes have one name: two graphs would mix their messages."""
@@ -172,11 +201,16 @@ class GraphRun:
         for package in NODES:
             children.start(package, [executable(package, "node"), *arguments])
 
-    def _start_recorder(self, children: Children) -> Child:
-        parameters = {"output": str(self.folder.bag), "vessel": self.vessel, "overwrite": str(self.overwrite).lower()}
+    def _start_recorder(self, children: Children, heard: Callable[[str], None]) -> Child:
+        parameters = {
+            "output": str(self.folder.bag),
+            "vessel": self.vessel,
+            "overwrite": str(self.overwrite).lower(),
+            "compression": self.compression,
+        }
         if self.scenario is not None:
             parameters["scenario"] = str(self.folder.scenario_file(self.scenario))
         arguments: list[str | Path] = [executable("dp_tools", "recorder"), "--ros-args", *self._names()]
         for name, value in parameters.items():
             arguments += ["-p", f"{name}:={value}"]
-        return children.start("recorder", arguments)
+        return children.start("recorder", arguments, heard)

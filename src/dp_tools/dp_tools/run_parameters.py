@@ -12,6 +12,7 @@ from dp_bringup.parameter_service import to_parameter_file
 from dp_bringup.workspace import RING_PACKAGES
 from dp_node.parameters import describe
 from dp_tools.node_settings import ALLOCATOR, SIMULATOR
+from dp_tools.recorder.attachments import parameters_attachment
 from dp_tools.scenario import Event, Scenario
 from marine_model import Vessel
 from marine_model.settings import Settings, parameters_of, with_parameters
@@ -52,7 +53,7 @@ def parameter_attachments(vessel: Vessel, scenario: Scenario) -> dict[str, bytes
         own = parameters_of(settings)
         # A parameter without a value is not in a parameter file.
         values |= {name: _plain(value) for name, value in own.items() if value is not None}
-        files[f"parameters/{node}.yaml"] = to_parameter_file({node: values}).encode()
+        files[parameters_attachment(node)] = to_parameter_file({node: values}).encode()
     return files
 
 

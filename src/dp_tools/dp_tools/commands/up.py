@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -12,9 +13,10 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from dp_bringup.processes import Child, ChildDiedError
+from dp_tools.commands.record import DEFAULT, Compression
 from dp_tools.commands.report import write_and_tell
 from dp_tools.commands.root import Namespace, console, error_console
-from dp_tools.graph_run import GraphRun
+from dp_tools.graph_run import GraphRun, UncleanStopError
 from dp_tools.run_files import Pace
 from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario, load_scenario
@@ -30,6 +32,7 @@ def up(
     ] = "",
     vessel: Annotated[str, typer.Option(metavar="NAME|FILE", help="Vessel instead of the scenario's.")] = "",
     record: Annotated[bool, typer.Option("--record", metavar="", help="Record every topic to an MCAP bag.")] = False,
+    compression: Compression = DEFAULT,
     report: Annotated[
         bool, typer.Option("--report", metavar="", help="Write the report in the end; needs --scenario and --record.")
     ] = False,
@@ -71,15 +74,16 @@ def up(
     folder = RunFolder((output or Path("runs") / (chosen.name if chosen else "up")).absolute())
     folder.prepare(overwrite or not record)
     run = GraphRun(folder, vessel_name, chosen, Pace(lockstep, rate), record, composed, namespace, overwrite)
+    run = replace(run, compression=compression.value)
     interrupted = False
     try:
         if chosen is None:
-            run.sail(console.print, lambda simulated: None)
+            run.sail(console.print, lambda simulated: None, warn=_warn)
         else:
             _sail_with_bar(run, chosen)
     except KeyboardInterrupt:
         interrupted = True
-    except ChildDiedError:
+    except (ChildDiedError, UncleanStopError):
         _tell_bag(run)
         raise
     _tell_bag(run)
@@ -89,6 +93,12 @@ def up(
         raise typer.Exit(INTERRUPTED)
     if report:
         write_and_tell(folder.bag, folder.path)
+
+
+def _warn(text: str) -> None:
+    """Say at once what cannot wait until the end; on the console that the bar knows of."""
+    console.print("[bold red]warning:[/]", highlight=False, end=" ")
+    console.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 def _tell_bag(run: GraphRun) -> None:
@@ -122,6 +132,6 @@ def _sail_with_bar(run: GraphRun, scenario: Scenario) -> None:
         def arrived(running: Sequence[Child]) -> None:
             progress(scenario.duration)
 
-        run.sail(say, progress, arrived)
+        run.sail(say, progress, arrived, _warn)
     wall = time.monotonic() - started
     console.print(f"sailed  {scenario.duration:g} s of {scenario.name} in {wall:.1f} s, start and stop included")

@@ -35,35 +35,51 @@ class TopicInfo:
         return to_yaml([dict(quality) for quality in self.offered_quality]) if self.offered_quality else ""
 
 
+@dataclass(frozen=True)
+class FileInfo:
+    """What a bag says of one of its MCAP files.
+
+    Attributes
+    ----------
+    name
+        Without a folder.
+    start, end
+        First and last log time, ns; zeros without a message.
+    message_count
+        Messages in it.
+    """
+
+    name: str
+    start: int
+    end: int
+    message_count: int
+
+
 def bag_metadata(
-    file_name: str,
+    files: Sequence[FileInfo],
     topics: Sequence[tuple[TopicInfo, int]],
-    time_span: tuple[int, int],
     custom_data: Mapping[str, str],
 ) -> dict[str, Any]:
     """Return the content under ``rosbag2_bagfile_information``.
 
     Parameters
     ----------
-    file_name
-        Name of the one MCAP file.
+    files
+        MCAP files in order of recording.
     topics
-        Topics with their numbers of messages.
-    time_span
-        First and last log time, ns.
+        Topics with their numbers of messages in all files.
     custom_data
         What else there is to say.
     """
-    start, end = time_span
-    count = sum(messages for _, messages in topics)
-    starting_time = {"nanoseconds_since_epoch": start}
-    duration = {"nanoseconds": end - start}
+    full = [file for file in files if file.message_count]
+    start = min((file.start for file in full), default=0)
+    end = max((file.end for file in full), default=0)
     return {
         "version": VERSION,
         "storage_identifier": "mcap",
-        "duration": duration,
-        "starting_time": starting_time,
-        "message_count": count,
+        "duration": {"nanoseconds": end - start},
+        "starting_time": {"nanoseconds_since_epoch": start},
+        "message_count": sum(file.message_count for file in files),
         "topics_with_message_count": [
             {
                 "topic_metadata": {
@@ -80,9 +96,15 @@ def bag_metadata(
         # Chunks are compressed inside the file; this is about compression of files or messages by rosbag2.
         "compression_format": "",
         "compression_mode": "",
-        "relative_file_paths": [file_name],
+        "relative_file_paths": [file.name for file in files],
         "files": [
-            {"path": file_name, "starting_time": starting_time, "duration": duration, "message_count": count},
+            {
+                "path": file.name,
+                "starting_time": {"nanoseconds_since_epoch": file.start},
+                "duration": {"nanoseconds": file.end - file.start},
+                "message_count": file.message_count,
+            }
+            for file in files
         ],
         "custom_data": dict(custom_data) or None,
         "ros_distro": "jazzy",

@@ -13,7 +13,6 @@ import zlib
 from collections.abc import Iterable, Mapping
 from typing import Protocol
 
-import zstandard
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
@@ -34,10 +33,17 @@ from mcap.records import (
     SummaryOffset,
 )
 
+from dp_tools.recorder.compression import DEFAULT_COMPRESSION, compressor
+
 _MAGIC = b"\x89MCAP0\r\n"
 # Opcode, length of the rest, channel, sequence, log time, publish time; the message follows.
 _MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 _MESSAGE_REST = _MESSAGE_HEAD.size - 9
+# Bytes of a chunk index without its channels, and for each of them.
+_CHUNK_INDEX_SIZE = 80
+_CHUNK_INDEX_CHANNEL_SIZE = 10
+# Statistics, summary offsets, footer and what else every summary has.
+_SUMMARY_REST = 1024
 
 
 class Stream(Protocol):
@@ -80,7 +86,7 @@ class _OpenChunk:
 
 
 class McapFile:
-    """Writes one MCAP file with chunks compressed by zstd, and all indexes.
+    """Writes one MCAP file with compressed chunks, and all indexes.
 
     Parameters
     ----------
@@ -90,18 +96,24 @@ class McapFile:
         Name of the writing program, kept in the file.
     chunk_size
         Bytes, before compression, after which a chunk is written.
+    compression
+        Of the chunks: zstd, lz4 or none.
 
     Raises
     ------
+    RecordingRefusedError
+        If the compression is unknown.
     OSError
         From every method that writes, if the stream does. What that call was to write is then not in the file; all
         earlier data is, and the file can still be finished.
     """
 
-    def __init__(self, stream: Stream, library: str, chunk_size: int = 1 << 20) -> None:
+    def __init__(
+        self, stream: Stream, library: str, chunk_size: int = 1 << 20, compression: str = DEFAULT_COMPRESSION
+    ) -> None:
         self._stream = stream
         self._chunk_size = chunk_size
-        self._compressor = zstandard.ZstdCompressor(level=3)
+        self._compression, self._compress = compressor(compression)
         self._chunk = _OpenChunk()
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
@@ -114,6 +126,8 @@ class McapFile:
         self._pending = 0
         self.size = 0
         """Bytes in the file."""
+        self.summary_size = _SUMMARY_REST
+        """Bytes that the summary takes, at most."""
         self._append(_MAGIC + _encode([Header(profile="ros2", library=library)]))
 
     @property
@@ -127,6 +141,11 @@ class McapFile:
         return self._pending
 
     @property
+    def open_size(self) -> int:
+        """Bytes in the open chunk, before compression."""
+        return self._chunk.size
+
+    @property
     def time_span(self) -> tuple[int, int]:
         """Smallest and largest log time in the file, ns; zeros without a message."""
         return self._start, self._end
@@ -136,7 +155,7 @@ class McapFile:
         schema_id = len(self._schemas) + 1
         schema = Schema(id=schema_id, name=name, encoding=encoding, data=data)
         self._schemas.append(schema)
-        self._chunk.add(_encode([schema]))
+        self._define(schema)
         return schema_id
 
     def add_channel(self, topic: str, schema_id: int, encoding: str, metadata: dict[str, str]) -> int:
@@ -144,8 +163,13 @@ class McapFile:
         channel_id = len(self._channels) + 1
         channel = Channel(id=channel_id, topic=topic, message_encoding=encoding, metadata=metadata, schema_id=schema_id)
         self._channels.append(channel)
-        self._chunk.add(_encode([channel]))
+        self._define(channel)
         return channel_id
+
+    def _define(self, record: McapRecord) -> None:
+        encoded = _encode([record])
+        self._chunk.add(encoded)
+        self.summary_size += len(encoded)
 
     def add_message(self, channel_id: int, sequence: int, log_time: int, publish_time: int, data: bytes) -> None:
         """Add a message; times in ns. It is in the file once its chunk is full or ended."""
@@ -178,8 +202,8 @@ class McapFile:
         self._chunk, self._pending = _OpenChunk(), 0
         raw = b"".join(chunk.parts)
         record = Chunk(
-            compression="zstd",
-            data=self._compressor.compress(raw),
+            compression=self._compression,
+            data=self._compress(raw),
             message_start_time=chunk.start,
             message_end_time=chunk.end,
             uncompressed_crc=zlib.crc32(raw),
@@ -209,14 +233,18 @@ class McapFile:
         for channel_id, entries in chunk.index.items():
             self._written[channel_id] = self._written.get(channel_id, 0) + len(entries)
         self._chunk_indexes.append(index)
+        self.summary_size += _CHUNK_INDEX_SIZE + _CHUNK_INDEX_CHANNEL_SIZE * len(offsets)
 
-    def add_attachment(self, name: str, media_type: str, data: bytes, time: int) -> None:
-        """Write an attachment; ``time`` in ns."""
-        encoded = _encode([Attachment(create_time=time, log_time=time, name=name, media_type=media_type, data=data)])
+    def add_attachment(
+        self, name: str, media_type: str, data: bytes, time: int, create_time: int | None = None
+    ) -> None:
+        """Write an attachment; ``time`` is its log time, ns, and its time of creation if that is not given."""
+        created = time if create_time is None else create_time
+        encoded = _encode([Attachment(create_time=created, log_time=time, name=name, media_type=media_type, data=data)])
         index = AttachmentIndex(
             offset=self.size,
             length=len(encoded),
-            create_time=time,
+            create_time=created,
             log_time=time,
             data_size=len(data),
             name=name,
@@ -224,6 +252,7 @@ class McapFile:
         )
         self._append(encoded)
         self._attachment_indexes.append(index)
+        self.summary_size += _CHUNK_INDEX_SIZE + len(name) + len(media_type)
 
     def add_metadata(self, name: str, values: dict[str, str]) -> None:
         """Write a metadata record."""
@@ -231,6 +260,7 @@ class McapFile:
         index = MetadataIndex(offset=self.size, length=len(encoded), name=name)
         self._append(encoded)
         self._metadata_indexes.append(index)
+        self.summary_size += _CHUNK_INDEX_SIZE + len(name)
 
     def finish(self) -> None:
         """Write the summary; end the open chunk first. The stream stays open."""

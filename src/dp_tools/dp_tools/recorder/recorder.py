@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,10 +15,8 @@ from dp_tools.recorder.bag_metadata import TopicInfo
 from dp_tools.recorder.bag_writer import BagWriter
 from dp_tools.recorder.quality import DEPTH, describe_quality, matching_quality
 from dp_tools.recorder.schemas import DefinitionMissingError, full_definition
+from dp_tools.recorder.selection import Selection
 from dp_tools.recorder.sequence import SequenceCounter
-
-# Absolute names: every node publishes there, whatever its namespace.
-_SHARED = frozenset(("/diagnostics", "/rosout", "/parameter_events"))
 
 
 @dataclass(slots=True)
@@ -30,6 +28,7 @@ class _Topic:
     subscription: Subscription
     sequence: SequenceCounter
     count: int = 0
+    tap: Callable[[int, bytes], None] | None = None
 
 
 def _never(message: bytes, info: dict[str, Any]) -> None:
@@ -49,17 +48,23 @@ class Recorder:
         Subscribes here. No executor may spin it.
     writer
         The bag.
-    wanted
-        Topics to record, full names; empty for all but hidden ones.
-    namespace
-        Without ``wanted``: only topics below it, and those that all graphs share.
+    selection
+        Which topics to record.
+    taps
+        Called with publish time (ns) and data of every message of a topic, by its full name.
     """
 
-    def __init__(self, node: Node, writer: BagWriter, wanted: Sequence[str] = (), namespace: str = "/") -> None:
+    def __init__(
+        self,
+        node: Node,
+        writer: BagWriter,
+        selection: Selection,
+        taps: Mapping[str, Callable[[int, bytes], None]] | None = None,
+    ) -> None:
         self._node = node
         self._writer = writer
-        self._wanted = frozenset(wanted)
-        self._below = namespace.rstrip("/") + "/"
+        self._selection = selection
+        self._taps = taps or {}
         self._topics: dict[str, _Topic] = {}
         self._refused: set[str] = set()
 
@@ -76,7 +81,7 @@ class Recorder:
     def discover(self) -> None:
         """Subscribe to topics that are new in the graph."""
         for name, kinds in self._node.get_topic_names_and_types():
-            if name in self._topics or name in self._refused or not self._is_wanted(name):
+            if name in self._topics or name in self._refused or not self._selection.wants(name):
                 continue
             publishers = self._node.get_publishers_info_by_topic(name)
             if not publishers:
@@ -126,22 +131,18 @@ class Recorder:
     def _drain(self, topic: _Topic) -> int:
         take, kind = topic.subscription.handle.take_message, topic.message_class
         write, channel, note = self._writer.write, topic.channel, topic.sequence.note
+        tap = topic.tap
         count = 0
         while count < DEPTH and (taken := take(kind, True)) is not None:
             data, info = taken
             number = info["publication_sequence_number"]
             note(number)
             write(channel, data, info["received_timestamp"], info["source_timestamp"], number or 0)
+            if tap is not None:
+                tap(info["source_timestamp"], data)
             count += 1
         topic.count += count
         return count
-
-    def _is_wanted(self, name: str) -> bool:
-        if self._wanted:
-            return name in self._wanted
-        if not name.startswith(self._below) and name not in _SHARED:
-            return False
-        return not any(part.startswith("_") for part in name.split("/"))
 
     def _subscribe(self, name: str, kind: str, publishers: Sequence[Any]) -> None:
         try:
@@ -162,7 +163,7 @@ class Recorder:
             offered_quality=tuple(describe_quality(one) for one in offered),
         )
         channel = self._writer.add_topic(info, definition)
-        topic = _Topic(name, found, channel, quality, subscription, SequenceCounter())
+        topic = _Topic(name, found, channel, quality, subscription, SequenceCounter(), tap=self._taps.get(name))
         if len(publishers) > 1:
             topic.sequence.several_publishers()
         self._topics[name] = topic

@@ -14,7 +14,7 @@ from rclpy.serialization import deserialize_message
 
 from dp_bringup.parameter_service import read_parameter_file
 from dp_bringup.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
-from dp_tools.recorder.attachments import SCENARIO_ATTACHMENT
+from dp_tools.recorder.attachments import SCENARIO_ATTACHMENT, parameters_attachment
 from dp_tools.reexecution.errors import ReexecutionError
 from dp_tools.reexecution.feed import Changed
 from dp_tools.reexecution.recording import Recording
@@ -64,7 +64,7 @@ def node_parameters(recording: Recording, namespace: str, node: str, given: Mapp
         If the bag does not say with which parameters the node was started.
     """
     events = _events(recording, namespace + node)
-    attached = recording.attachment(f"parameters{namespace}{node}.yaml")
+    attached = recording.attachment(parameters_attachment(namespace + node))
     notes = []
     if attached is not None:
         start = _parameter_file(attached.data, node)

@@ -11,7 +11,6 @@ from rich.table import Table
 from dp_tools.reexecution.comparison import FieldDifference, Spot, TopicComparison
 from dp_tools.reexecution.fields import Value
 
-
 # First difference of a field; in how many messages; the largest of them, and when.
 _COLUMNS = ("topic", "field", "message", "time", "in bag", "recorded", "found", "differ", "largest", "at")
 # Numbers are shown to the last digit, however wide the terminal is.
