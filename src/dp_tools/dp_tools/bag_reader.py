@@ -296,7 +296,7 @@ def _read(parts: list[_Part], path: Path, vessel_name: str) -> RecordedRun:
     attachments = {name: data for part in reversed(parts) for name, data in part.attachments.items()}
     records = {name: values for part in reversed(parts) for name, values in part.records.items()}
     schemas = {name: text for part in parts for name, text in part.schemas.items()}
-    vessel, scenario = _documents(attachments, vessel_name, path)
+    vessel, scenario = documents(attachments, vessel_name, path)
     collector = _Collector(vessel)
     raw = _joined(parts, path)
     try:
@@ -409,8 +409,11 @@ def _messages(stream: IO[bytes]) -> Iterator[tuple[int, int, bytes]]:
                 at += length
 
 
-def _documents(attachments: Mapping[str, bytes], vessel_name: str, file: Path) -> tuple[Vessel, Scenario | None]:
-    """Return the vessel and the scenario of a bag. Files on this machine are not looked at unless named."""
+def documents(attachments: Mapping[str, bytes], vessel_name: str, file: Path) -> tuple[Vessel, Scenario | None]:
+    """Return the vessel and the scenario of a bag. Files on this machine are not looked at unless named.
+
+    Raises DpError if it holds no vessel and none is named, or one of the two is not valid.
+    """
     with tempfile.TemporaryDirectory() as folder:
         for name in (VESSEL_ATTACHMENT, SCENARIO_ATTACHMENT):
             if name in attachments:

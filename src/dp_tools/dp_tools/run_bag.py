@@ -1,7 +1,7 @@
 """Writes a run that was sailed without middleware as the bag that the node graph would have left.
 
 Topics, types, schemas and attachments are those of the recorder. What a run does not log is NaN, false or empty; topics
-of which it knows nothing (diagnostics, parameter events, the force of the environment) are not there. Log time is
+of which it knows nothing (diagnostics, the force of the environment) are not there. Log time is
 simulated time from the start of the run, so that ``ros2 bag play`` plays it in real time.
 """
 
@@ -27,6 +27,13 @@ from dp_tools.recorder.bag_metadata import TopicInfo
 from dp_tools.recorder.bag_writer import BagWriter
 from dp_tools.recorder.schemas import full_definition
 from dp_tools.run_data import RunData, RunInfo, Series
+from dp_tools.run_parameters import (
+    PARAMETER_EVENT,
+    PARAMETER_EVENTS,
+    parameter_attachments,
+    parameter_changes,
+    parameter_event,
+)
 from dp_tools.run_topics import TOPICS, RunTopic
 from dp_tools.scenario import Event, Scenario, scenario_document
 from dp_tools.versions import VERSIONS_RECORD
@@ -67,12 +74,13 @@ Stamps = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class _Messages:
-    """Messages of one topic in order of time."""
+    """Messages of one topic in order of time; ``hops`` orders those of an operator among others of one stamp."""
 
     topic: str
     kind: str
     stamps: Stamps
     data: list[bytes]
+    hops: Stamps | None = None
 
 
 def write_bag(folder: Path, run: RunData, vessel: Vessel, scenario: Scenario | None, overwrite: bool = False) -> Path:
@@ -96,7 +104,7 @@ def write_bag(folder: Path, run: RunData, vessel: Vessel, scenario: Scenario | N
     RecordingStoppedError
         If the disk is full.
     """
-    kinds = {topic.kind for topic in TOPICS} | {*_OPERATOR_KINDS.values(), _CLOCK}
+    kinds = {topic.kind for topic in TOPICS} | {*_OPERATOR_KINDS.values(), _CLOCK, PARAMETER_EVENT}
     definitions = {kind: full_definition(kind) for kind in sorted(kinds)}
     types = types_of(definitions)
     writer = BagWriter(folder, overwrite)
@@ -105,10 +113,17 @@ def write_bag(folder: Path, run: RunData, vessel: Vessel, scenario: Scenario | N
         writer.attach(VESSEL_ATTACHMENT, "application/yaml", vessel_document(vessel), start)
         if scenario is not None:
             writer.attach(SCENARIO_ATTACHMENT, "application/yaml", scenario_document(scenario), start)
+            for name, data in parameter_attachments(vessel, scenario).items():
+                writer.attach(name, "application/yaml", data, start)
         writer.describe(VERSIONS_RECORD, run.info.versions)
         writer.describe(RUN_RECORD, {name: json.dumps(value) for name, value in asdict(run.info).items()})
         # The clock first: what belongs to a time follows it, as in the graph.
-        everything = [*_clock(types, run, vessel), *_operator(types, scenario), *_topics(types, run, vessel)]
+        everything = [
+            *_clock(types, run, vessel),
+            *_changes(types, vessel, scenario),
+            *_operator(types, scenario),
+            *_topics(types, run, vessel),
+        ]
         channels = []
         for messages in everything:
             info = TopicInfo(f"/{messages.topic}", messages.kind, types.hash_rihs01(messages.kind), (_OFFERED,))
@@ -124,7 +139,7 @@ def write_bag(folder: Path, run: RunData, vessel: Vessel, scenario: Scenario | N
 
 def _write(writer: BagWriter, channels: list[int], everything: list[_Messages], start: int) -> None:
     """Write all messages in order of log time: their stamps, and with one stamp as they travel."""
-    times = [messages.stamps + _HOP * hop for hop, messages in enumerate(everything)]
+    times = [messages.stamps + _HOP * hops for messages, hops in zip(everything, _all_hops(everything), strict=True)]
     order = np.argsort(np.concatenate(times), kind="stable")
     which = np.repeat(np.arange(len(everything)), [len(t) for t in times])[order].tolist()
     rows = np.concatenate([np.arange(len(t)) for t in times])[order].tolist()
@@ -132,6 +147,19 @@ def _write(writer: BagWriter, channels: list[int], everything: list[_Messages], 
     data = [messages.data for messages in everything]
     for topic, row, log_time in zip(which, rows, log_times, strict=True):
         writer.write(channels[topic], data[topic][row], log_time, log_time, row + 1)
+
+
+def _all_hops(everything: list[_Messages]) -> Iterator[int | Stamps]:
+    """Yield for every topic its place among those of one stamp; what operators did has places between the others."""
+    hop = reach = 0
+    for messages in everything:
+        if messages.hops is None:
+            hop = max(hop, reach)
+            yield hop
+            hop += 1
+        else:
+            yield hop + messages.hops
+            reach = max(reach, hop + int(messages.hops.max()) + 1)
 
 
 def _started(info: RunInfo) -> int:
@@ -261,18 +289,50 @@ def _clock(types: Any, run: RunData, vessel: Vessel) -> Iterator[_Messages]:
         yield _Messages("clock", _CLOCK, stamps, serialized(layout, len(stamps), _header(stamps, "clock")))
 
 
+def _hops(scenario: Scenario) -> dict[int, int]:
+    """Return the first hop of every event by its number: events of one time come one after the other."""
+    hops: dict[int, int] = {}
+    before: dict[float, int] = {}
+    for number, event in enumerate(scenario.events):
+        hops[number] = before.get(event.at, 0)
+        before[event.at] = hops[number] + len(event.parameters) + 1
+    return hops
+
+
+def _changes(types: Any, vessel: Vessel, scenario: Scenario | None) -> Iterator[_Messages]:
+    """Yield what the nodes tell of the parameters that were changed."""
+    if scenario is None:
+        return
+    stamps, data, hops, first = [], [], [], _hops(scenario)
+    numbers = {id(event): number for number, event in enumerate(scenario.events)}
+    for event, node, values in parameter_changes(vessel, scenario):
+        stamp, number = round(event.at * 1e9), numbers[id(event)]
+        stamps.append(stamp)
+        data.append(bytes(types.serialize_cdr(parameter_event(types.types, stamp, node, values), PARAMETER_EVENT)))
+        hops.append(first[number] + list(event.parameters).index(node))
+    if stamps:
+        yield _Messages(PARAMETER_EVENTS, PARAMETER_EVENT, _whole(stamps), data, _whole(hops))
+
+
 def _operator(types: Any, scenario: Scenario | None) -> Iterator[_Messages]:
-    """Yield what the operator sent: set points, joystick, paths; parameters are no topic."""
-    events = scenario.events if scenario is not None else ()
+    """Yield what the operator sent: set points, joystick, paths."""
+    if scenario is None:
+        return
+    first = _hops(scenario)
     for topic, kind in _OPERATOR_KINDS.items():
-        stamps, data = [], []
-        for event in events:
+        stamps, data, hops = [], [], []
+        for number, event in enumerate(scenario.events):
             if getattr(event, topic) is not None:
                 stamp = max(1, round(event.at * 1e9))  # zero would mean: no input yet
                 stamps.append(stamp)
                 data.append(bytes(types.serialize_cdr(_Operator(types.types).message(topic, event, stamp), kind)))
+                hops.append(first[number] + len(event.parameters))
         if stamps:
-            yield _Messages(topic, kind, np.array(stamps, dtype=np.int64), data)
+            yield _Messages(topic, kind, _whole(stamps), data, _whole(hops))
+
+
+def _whole(numbers: list[int]) -> Stamps:
+    return np.array(numbers, dtype=np.int64)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from dp_tools.bags.errors import BagError
 from dp_tools.commands.bag_progress import reading
 from dp_tools.commands.root import Namespace, console, error_console
 from dp_tools.commands.up import INTERRUPTED
+from dp_tools.reexecution.command import Asked, replay_into
 from dp_tools.replay.keyboard import Keyboard
 from dp_tools.replay.player import Player
 from dp_tools.replay.replay_node import CLOCK_KIND, BagClock, Outlets, offer_services
@@ -80,12 +81,41 @@ def replay(
     clock: Annotated[
         float | None, typer.Option(metavar="HZ", help="Publish a clock made from bag time, for a bag without one.")
     ] = None,
+    into: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NODE|all", help="Send nothing; feed the present code of this node; repeatable."),
+    ] = None,
+    verify: Annotated[
+        bool, typer.Option("--verify", metavar="", help="With --into: compare its outputs with the recorded ones.")
+    ] = False,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NODE.NAME=VALUE", help="With --into: another value of a parameter; repeatable."),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option(metavar="BAG", help="With --into: write the new outputs to a bag.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace the bag of --output.")] = False,
+    tolerance: Annotated[
+        float, typer.Option(metavar="NUMBER", help="With --verify: numbers no further apart are the same.", min=0.0)
+    ] = 0.0,
+    only_first: Annotated[
+        bool, typer.Option("--only-first", metavar="", help="With --verify: stop at a topic's first difference.")
+    ] = False,
 ) -> None:
     """Publish the messages of a bag again: as they were serialized, in their order, at their times.
 
-    Exit code 0 at the end of the bag or after q, and after Ctrl-C with --loop; 1 if something went wrong; 130 if Ctrl-C
-    or SIGTERM cut the replay short.
+    With --into, nothing is sent: the present code of a node is fed with its recorded inputs and changes of parameters.
+
+    Exit code 0 at the end of the bag or after q, and after Ctrl-C with --loop; 1 if something went wrong, or --verify
+    found a difference; 130 if Ctrl-C or SIGTERM cut the replay short.
     """
+    if into:
+        asked = Asked(into, verify, changes or (), output, overwrite, tolerance, only_first, namespace)
+        _into(bag, asked)
+        return
+    if verify or changes or output is not None or only_first:
+        raise typer.BadParameter("--verify, --set, --output and --only-first need --into")
     if not rate > 0.0:
         raise typer.BadParameter("--rate: expected a number above 0")
     if clock is not None and not clock > 0.0:
@@ -108,6 +138,18 @@ def replay(
     except KeyboardInterrupt:
         if not loop:  # with it, it is the way to stop
             raise typer.Exit(INTERRUPTED) from None
+
+
+def _into(bag: Path, asked: Asked) -> None:
+    """Re-execute nodes."""
+    try:
+        with Interrupts(), reading(bag) as opened:
+            warn_of_cut(opened)
+            agrees = replay_into(opened, asked, console)
+    except KeyboardInterrupt:
+        raise typer.Exit(INTERRUPTED) from None
+    if not agrees:
+        raise typer.Exit(1)
 
 
 class _Replay:
