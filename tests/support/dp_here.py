@@ -11,6 +11,7 @@ from rich.console import Console
 
 from dp_tools.cli import main
 from dp_tools.commands import (
+    bag,
     design,
     detection,
     open_water,
@@ -29,6 +30,7 @@ from dp_tools.commands import (
 
 Dp = Callable[..., tuple[int, str]]
 _MODULES = (
+    bag,
     design,
     detection,
     open_water,
