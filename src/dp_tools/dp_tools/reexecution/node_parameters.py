@@ -75,8 +75,8 @@ def node_parameters(recording: Recording, namespace: str, node: str, given: Mapp
         )
     changes = []
     for time, event in events:
-        # What was declared at the start is known; a new one later is a parameter without a value that was given one.
-        later = [one for one in event.new_parameters if one.name not in start and attached is not None]
+        # What was declared before they were asked for is known; later, one without a value was given one.
+        later = event.new_parameters if attached is not None and time > attached.time else ()
         kept = [one for one in [*event.changed_parameters, *later] if one.name not in given and one.name not in PACE]
         if kept:
             changes.append((time, Changed(tuple(kept))))

@@ -9,8 +9,8 @@ on. So there are
 - *loose* messages, which the node only kept, or refused. One comes before an act if it was published before the node
   can have begun with that act: before the message that set it off was published, or before the act before was over.
 
-A loose message that was published while an act was under way, or shortly before, may have been taken on either side of
-it: its ``range`` says between which. Nodes in lockstep give the same answers either way.
+That is what the node does while it has time. Where its process stood still, a loose message may have waited with what
+came later, and be taken after it: ``range`` says between which acts. Nodes in lockstep give the same answers either way.
 """
 
 from __future__ import annotations
@@ -22,9 +22,8 @@ from typing import Generic, TypeVar
 
 T = TypeVar("T")
 
-# A message may be on its way that long and no longer: 0.2 to 0.8 ms between two processes where nothing else runs, some
-# milliseconds where all processors are taken.
-ON_THE_WAY = 10_000_000  # ns
+# A process that is not given a processor takes what is waiting no later than that.
+PATIENCE = 1_000_000_000  # ns
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +91,8 @@ class Order(Generic[T]):
 
     def unsure(self, act: int) -> list[int]:
         """Return the loose messages that may come on either side of an act, and not before the one before it."""
-        after = (i for number in range(act, act + _SPAN) for i in self._at.get(number, ()))
+        # Later ones were sent after it, but for one that was sent while it was under way.
+        after = (*self._at.get(act, ()), *self._at.get(act + 1, ()))
         return sorted(i for i in after if self.range[i][0] <= act < self.range[i][1])
 
     def move(self, loose: int, number: int) -> None:
@@ -102,10 +102,6 @@ class Order(Generic[T]):
         there = self._at.setdefault(number, [])
         there.append(loose)
         there.sort()
-
-
-# A simulator that has fallen behind makes up to ten steps at once.
-_SPAN = 12
 
 
 def merge(acts: Sequence[Act[T]], loose: Sequence[Loose[T]]) -> Order[T]:
@@ -121,8 +117,7 @@ def merge(acts: Sequence[Act[T]], loose: Sequence[Loose[T]]) -> Order[T]:
     place = [bisect_left(begun, one.published) for one in kept]
     limits = []
     for one, number in zip(kept, place, strict=True):
-        # Answered before it was sent: before it. Begun later than it can have been on its way, and not while the node
-        # was busy: after it.
-        arrived = max(one.published, ordered[number - 1].finished if number else 0) + ON_THE_WAY
-        limits.append((bisect_left(answered, one.published), bisect_left(begun, arrived)))
+        # An act that was answered before it was sent came before it.
+        free = max(one.published, ordered[number - 1].finished if number else 0)
+        limits.append((bisect_left(answered, one.published), bisect_left(begun, free + PATIENCE)))
     return Order(ordered, kept, begun, place, limits)

@@ -1,14 +1,13 @@
 """Where publish times leave the order open, the recorded outputs decide: an order that gives them is the right one.
 
-Before every act whose neighbours are unsure the state of the node is kept. When an output differs from the recorded
-one, the loose messages about the last such acts are tried on their other side. If none of these orders gives the
-recorded output, the difference is one of the code, or cannot be told from one: nothing more is tried.
+The state of the node is kept now and then. When an output differs from the recorded one, the loose messages about the
+last few acts are tried on their other side. If none of these orders gives the recorded output, the difference is one of
+the code, or cannot be told from one: nothing more is tried.
 """
 
 from __future__ import annotations
 
 import copy
-from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, product
@@ -22,10 +21,9 @@ from dp_tools.reexecution.detached import Wires
 from dp_tools.reexecution.order import Order
 from dp_tools.reexecution.recording import Recorded
 
-# So many acts back a wrong decision is looked for: the simulator shows what it was told with the next step.
-_BACK = 3
-# No more orders than that are tried for one act.
-_LARGEST = 64
+# No more orders than that are tried for one act. A second of setpoints may have been waiting for a simulator that stood
+# still.
+_LARGEST = 200
 
 
 class State:
@@ -119,8 +117,3 @@ def other_orders(order: Order[Any], act: int, topic_of: Any) -> Iterator[dict[in
             for number, i in enumerate(group):
                 places[i] = act if number < cut else max(order.place[i], act + 1)
         yield places
-
-
-def last_saved() -> deque[Saved]:
-    """Return room for the states that are kept."""
-    return deque(maxlen=_BACK)
