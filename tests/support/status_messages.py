@@ -56,6 +56,7 @@ def controller_status(seconds: float) -> ControllerStatus:
 def allocation_status(seconds: float, margin: float = 1.7, turned: float = 2.4, **fields: Any) -> AllocationStatus:
     message = AllocationStatus(status="optimal", azimuth_mode="rotating", margin=margin, margin_turned=turned)
     message.minimum_gain, message.gain_limit = 0.42, math.nan
+    message.minimum_gain_both_ways = 0.77
     message.demanded_power, message.commanded_power = 3.1, 2.9
     message.slack = [0.001, -0.002, 0.0]
     message.thrust_saturated = [True, False, False, False]

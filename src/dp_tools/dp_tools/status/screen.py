@@ -88,12 +88,15 @@ def _header(state: StatusState, now: float) -> Table:
         left.append(f"  {_clock(time)}")
         if state.pace is not None:
             left.append(f" ×{state.pace:.3g}", "dim")
-    line.add_row(left, _recording(state, now).append("  ").append_text(_tally(state)))
+    line.add_row(left, _recording(state, now).append("  ").append_text(_tally(state, now)))
     return line
 
 
-def _tally(state: StatusState) -> Text:
+def _tally(state: StatusState, now: float) -> Text:
     active = state.alarms.active
+    silent = sum(now - report.seen > SILENT for report in state.nodes.values())
+    if silent:
+        return Text(f" {silent} node{'s' if silent > 1 else ''} silent ", "bold white on red")
     if not active:
         return Text(" no alarms ", "black on green")
     worst = max(alarm.level for alarm in active)
@@ -121,7 +124,7 @@ def _vessel(state: StatusState, now: float) -> Group:
     facts.add_column(no_wrap=True)
     mode = "–" if controller is None else controller.mode
     facts.add_row("mode", Text(mode, "bold"))
-    here = Text("–") if pose is None else Text(f"N {pose[0]:.3f}  E {pose[1]:.3f} m  {_degrees(pose[2], 360.0)}")
+    here = Text("–") if pose is None else Text(_place(*pose))
     if odometry is not None and pose is None:
         here = Text("invalid", "bold red")
     facts.add_row("position", here)
@@ -130,13 +133,13 @@ def _vessel(state: StatusState, now: float) -> Group:
         facts.add_row("error", "–")
     else:
         r, e = controller.reference_position, controller.error
-        facts.add_row("reference", f"N {r[0]:.3f}  E {r[1]:.3f} m  {_degrees(r[2], 360.0)}")
+        facts.add_row("reference", _place(r[0], r[1], r[2]))
         facts.add_row("error", f"{math.hypot(e[0], e[1]):.3f} m  {_degrees(e[2])}")
     if odometry is None:
         facts.add_row("velocity", "–")
     else:
         v = odometry.twist.twist
-        facts.add_row("velocity", f"{v.linear.x:.3f}  {v.linear.y:.3f} m/s  {_degrees(v.angular.z)}/s")
+        facts.add_row("velocity", f"{_fixed(v.linear.x)}  {_fixed(v.linear.y)} m/s  {_degrees(v.angular.z)}/s")
     facts.add_row("wind", "–" if wind is None else _wind(wind))
     facts.add_row("last fix", "–" if observer is None else f"{observer.time_since_measurement:.1f} s ago")
     age = state.age("odometry", now)
@@ -179,16 +182,17 @@ def _margins(state: StatusState, now: float, width: int) -> Group:
         table.add_row(name, _margin(value, bar))
     gain = status.minimum_gain
     poor = math.isfinite(status.gain_limit) and gain < status.gain_limit
-    table.add_row("gain", _text(gain, "{:.3f}", "yellow" if poor else ""))
-    table.add_row("slack", "  ".join(map(_short, status.slack)))
+    gains = Text().append_text(_text(gain, "{:.2f}", "yellow" if poor else ""))
+    table.add_row("gain", gains.append(f" ({_short(status.minimum_gain_both_ways)})"))
+    table.add_row("slack", " ".join(map(_short, status.slack)))
     limited = status.power_stage not in ("", "within")
     power = f"{_short(status.commanded_power)} of {_short(status.demanded_power)} W"
     table.add_row("power", Text(power, "yellow" if limited else ""))
     demand = state.newest("tau_desired")
     if demand is not None:
         w = demand.wrench
-        table.add_row("demand", "  ".join(map(_short, (w.force.x, w.force.y, w.torque.z))))
-    return _titled("Margins", table, state.age("allocation_status", now))
+        table.add_row("demand", " ".join(map(_short, (w.force.x, w.force.y, w.torque.z))))
+    return _titled("Margins", table, state.age("allocation_status", now) if width >= 32 else 0.0)
 
 
 def _margin(value: float, width: int) -> Text:
@@ -317,9 +321,18 @@ def _text(value: float | None, form: str, style: str = "") -> Text:
     return Text("–", "dim") if value is None or math.isnan(value) else Text(form.format(value), style)
 
 
-def _degrees(angle: float, turn: float = 0.0) -> str:
-    value = math.degrees(angle)
-    return f"{value % turn if turn else value:.1f}°"
+def _place(north: float, east: float, heading: float) -> str:
+    bearing = round(math.degrees(heading) % 360.0, 1) % 360.0
+    return f"N {_fixed(north)}  E {_fixed(east)} m  {bearing:.1f}°"
+
+
+def _fixed(value: float, digits: int = 3) -> str:
+    """Return a number with so many digits after the point, and no minus before a zero."""
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
+def _degrees(angle: float) -> str:
+    return f"{_fixed(math.degrees(angle), 1)}°"
 
 
 def _short(value: float) -> str:
@@ -330,7 +343,7 @@ def _short(value: float) -> str:
     if size < 0.005:
         return "0"
     if size < 999.5:
-        return f"{value:.3g}"
+        return f"{value:.2f}" if size < 1.0 else f"{value:.3g}"
     return f"{value / 1e3:.3g}k" if size < 999.5e3 else f"{value / 1e6:.3g}M"
 
 
