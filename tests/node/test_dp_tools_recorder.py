@@ -281,11 +281,16 @@ def test_a_write_that_fails_ends_the_recording_with_a_readable_bag(node: Node, t
     until_heard(publisher)
     noise = random.Random(1)
     health = Diagnostics(node)
+
+    def fill(_: float) -> None:
+        publisher.publish(String(data=noise.randbytes(5_000).hex()))
+        health.take()
+
     wait_until(
         lambda: health.level == Level.ERROR,
         timeout=60.0,
         message=lambda: f"an alarm, have {health.status}",
-        spin=lambda _: (publisher.publish(String(data=noise.randbytes(5_000).hex())), health.take()),
+        spin=fill,
     )
     assert "File too large" in health.values["alarm.RECORDER-WRITE-FAILED"]
     # It is there to say so until it is told to end, and keeps nobody's messages meanwhile.

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dp_tools.bag_reader import BagError, read_bag
+from dp_tools.bag_reader import read_bag
+from dp_tools.bags.errors import BagError
 from dp_tools.in_process import ClosedLoop
 from dp_tools.report import report_bag
 from dp_tools.run_data import RunData
