@@ -120,6 +120,16 @@ class Operator:
                 client.remove_pending_request(future)
 
 
+def full_namespace(namespace: str) -> str:
+    """Return a namespace with its leading slash. Raises NamespaceError."""
+    full = f"/{namespace.strip('/')}"
+    try:
+        validate_namespace(full)
+    except InvalidNamespaceException as error:
+        raise NamespaceError(f"namespace: expected one such as 'ship' or 'fleet/ship', found '{namespace}'") from error
+    return full
+
+
 @contextmanager
 def operator(namespace: str = "", name: str = "") -> Iterator[Operator]:
     """Make an operator node, named after this process unless it has a name, and close it in the end.
@@ -130,11 +140,7 @@ def operator(namespace: str = "", name: str = "") -> Iterator[Operator]:
         If the namespace is none.
     """
     # Ctrl-C stays Python's KeyboardInterrupt, so that children can be stopped in order.
-    full = f"/{namespace.strip('/')}"
-    try:
-        validate_namespace(full)
-    except InvalidNamespaceException as error:
-        raise NamespaceError(f"namespace: expected one such as 'ship' or 'fleet/ship', found '{namespace}'") from error
+    full = full_namespace(namespace)
     context = Context()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node(name or f"dp_operator_{os.getpid()}", context=context, namespace=full)

@@ -12,7 +12,7 @@ from rclpy.parameter import Parameter
 from rclpy.serialization import serialize_message
 
 from dp_bringup.parameter_service import read_parameter_file
-from dp_tools.recorder.parameter_snapshots import Snapshots, snapshot_of
+from dp_tools.recorder.parameter_snapshots import Snapshot, Snapshots, values_of
 
 VALUES: dict[str, Any] = {
     "waves.height": 0.5,
@@ -33,6 +33,10 @@ def messages(values: dict[str, Any]) -> list[Any]:
 def read(tmp_path: Path, document: bytes) -> dict[str, dict[str, Any]]:
     (tmp_path / "parameters.yaml").write_bytes(document)
     return read_parameter_file(tmp_path / "parameters.yaml")
+
+
+def snapshot_of(node: str, time: int, names: list[str], values: list[Any]) -> Snapshot:
+    return Snapshot(node, time, values_of(names, values))
 
 
 def event(node: str, **fields: Any) -> bytes:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.exceptions import ParameterException
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 
 from dp_node import RING, Alarm, Health, health_with, raised
 from dp_node.health import to_status
@@ -58,7 +56,8 @@ class RecorderNode(Node):
         self.duration = self._declare("duration", 0.0, "Seconds until the recording ends; 0 for no limit", _LONGEST)
         regex = self._declare("regex", "", "Also topics in whose name this regular expression is found; empty: none")
         exclude = self._declare("exclude", "", "Never topics in whose name this is found; empty for none")
-        topics = self._declare_topics()
+        # An empty list would have no type in ROS.
+        topics = self._declare("topics", [""], "Topics to record, by name; empty for all")
         selection = Selection([topic for topic in topics if topic], regex, exclude, self.get_namespace())
         attachments = self._attachments()
         limits = Limits(round(size * 1e6), round(duration * 1e9))
@@ -97,15 +96,6 @@ class RecorderNode(Node):
             return self.declare_parameter(name, default, descriptor).value
         except ParameterException as error:
             raise RecordingRefusedError(f"parameter {name}: {error}") from error
-
-    def _declare_topics(self) -> Sequence[str]:
-        descriptor = ParameterDescriptor(description="Topics to record, by name; empty for all", read_only=True)
-        try:
-            self.declare_parameter("topics", Parameter.Type.STRING_ARRAY, descriptor)
-        except ParameterException as error:
-            raise RecordingRefusedError(f"parameter topics: {error}") from error
-        found: Sequence[str] = self.get_parameter_or("topics", Parameter("topics", value=[""])).value
-        return found
 
     def _attachments(self) -> dict[str, bytes]:
         """Return files to attach by name. Raises DpError."""
