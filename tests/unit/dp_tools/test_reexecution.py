@@ -16,6 +16,7 @@ from dp_tools.in_process import ClosedLoop
 from dp_tools.node_settings import ALLOCATOR, CONTROLLER, DRIVERS, OBSERVER, SIMULATOR
 from dp_tools.reexecution.command import compare
 from dp_tools.reexecution.comparison import TopicComparison
+from dp_tools.reexecution.errors import ReexecutionError
 from dp_tools.reexecution.memento import Memento
 from dp_tools.reexecution.recording import Recording, recording_of
 from dp_tools.reexecution.reexecute import Subject, reexecute
@@ -168,6 +169,23 @@ def test_what_cannot_be_done_is_one_line(bag: Path, dp_here: Dp, words: tuple[st
     assert code == 1
     assert reason in said
     assert "Traceback" not in said
+
+
+def test_messages_of_another_definition_are_not_fed(recording: Recording) -> None:
+    topic = recording.topics["/tau_desired"]
+    older = replace(topic, definition=topic.definition.replace("float64 z", "float32 z"))
+    other = replace(recording, topics={**recording.topics, "/tau_desired": older})
+    with pytest.raises(ReexecutionError, match="/tau_desired: expected messages geometry_msgs/msg/WrenchStamped as"):
+        reexecute(Subject(other, "/", ALLOCATOR))
+
+
+def test_a_bag_without_parameters_falls_back_on_its_scenario_and_says_so(recording: Recording) -> None:
+    older = [one for one in recording.attachments if not one.name.startswith("parameters/")]
+    found = reexecute(Subject(replace(recording, attachments=older), "/", OBSERVER))
+    assert any("has no parameters/dp_observer.yaml" in note for note in found.notes)
+    bare = [one for one in older if one.name != "scenario.yaml"]
+    with pytest.raises(ReexecutionError, match="nor a scenario: expected one of them"):
+        reexecute(Subject(replace(recording, attachments=bare), "/", OBSERVER))
 
 
 def test_a_memento_keeps_views_and_generators() -> None:
