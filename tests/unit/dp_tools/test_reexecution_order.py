@@ -10,7 +10,7 @@ from rclpy.serialization import serialize_message
 
 from dp_tools.reexecution.evidence import Evidence, Node, evidence_of
 from dp_tools.reexecution.feed import Changed, Due, Heard
-from dp_tools.reexecution.order import ON_THE_WAY, Act, Loose, Order, merge
+from dp_tools.reexecution.order import PATIENCE, Act, Loose, Order, merge
 from dp_tools.reexecution.recording import Recorded
 from dp_tools.reexecution.trial import other_orders
 
@@ -41,25 +41,24 @@ def test_acts_follow_their_answers_and_not_what_they_answer() -> None:
 
 def test_what_came_while_the_node_was_busy_comes_before_the_next_act() -> None:
     # b was waiting from 11 ms on, but the node was busy with a until 30 ms; x came at 20 ms.
-    acts = [Act("a", 10 * MS, 29 * MS, 30 * MS), Act("b", 11 * MS, 31 * MS, 31 * MS)]
+    acts = [Act("a", 10 * MS, 15 * MS, 30 * MS), Act("b", 11 * MS, 31 * MS, 31 * MS)]
     order = merge(acts, [Loose("x", 20 * MS)])
     assert fed(order) == ["a", "x", "b"]
-    # It may have been taken before a (published 9 ms earlier is not certain enough), or after b: b was first in line.
-    assert order.range == [(0, 2)]
+    # Not before a, which was answered by then; but it may have waited longer than b.
+    assert order.range == [(1, 2)]
+    assert (order.unsure(0), order.unsure(1)) == ([], [0])
 
 
-def test_far_from_every_act_the_place_is_certain() -> None:
-    acts = [Act("a", 100 * MS, 101 * MS, 101 * MS), Act("b", 200 * MS, 201 * MS, 201 * MS)]
+def test_after_its_patience_no_process_lets_a_message_wait() -> None:
+    acts = [Act("a", 100 * MS, 101 * MS, 101 * MS), Act("b", 200 * MS + PATIENCE, 201 * MS + PATIENCE, 0)]
     order = merge(acts, [Loose("x", 150 * MS)])
     assert order.range == [(1, 1)]
     assert order.unsure(0) == order.unsure(1) == []
 
 
-def test_shortly_before_an_act_the_place_is_open() -> None:
-    acts = [Act("a", 100 * MS, 101 * MS, 101 * MS)]
-    order = merge(acts, [Loose("x", 100 * MS - ON_THE_WAY // 2)])
+def test_a_message_that_waited_is_tried_after_the_act() -> None:
+    order = merge([Act("a", 100 * MS, 101 * MS, 101 * MS)], [Loose("x", 95 * MS)])
     assert fed(order) == ["x", "a"]
-    assert order.unsure(0) == [0]
     assert list(other_orders(order, 0, lambda i: "topic")) == [{0: 1}]
     order.move(0, 1)
     assert fed(order) == ["a", "x"]

@@ -10,7 +10,7 @@ on. So there are
   can have begun with that act: before the message that set it off was published, or before the act before was over.
 
 That is what the node does while it has time. Where its process stood still, a loose message may have waited with what
-came later, and be taken after it: ``range`` says between which acts. Nodes in lockstep give the same answers either way.
+came later, and be taken after it: ``range`` says between which acts. Nodes in lockstep answer the same either way.
 """
 
 from __future__ import annotations

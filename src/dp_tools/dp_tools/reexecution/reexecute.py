@@ -16,6 +16,7 @@ from rclpy.serialization import deserialize_message
 from dp_node import DpNode, to_nanoseconds
 from dp_tools.node_settings import ALLOCATOR, CONTROLLER, DRIVERS, OBSERVER, SIMULATOR
 from dp_tools.recorder.attachments import VESSEL_ATTACHMENT
+from dp_tools.recorder.schemas import full_definition
 from dp_tools.reexecution.detached import Caught, detached_node
 from dp_tools.reexecution.errors import ReexecutionError
 from dp_tools.reexecution.evidence import Evidence, Node, evidence_of, in_process_evidence
@@ -120,6 +121,7 @@ def reexecute(subject: Subject, progress: Progress = lambda done, of: None) -> R
         notes = [*parameters.notes, *_parameter_notes(node, subject, parameters)]
         kinds = {topic: mouth.kind for topic, mouth in wires.mouths.items()}
         evidence = _evidence(subject, list(kinds), parameters)
+        _expect_present_definitions(subject, [*INPUTS[subject.name], *kinds])
         notes += _gap_notes(subject, [*INPUTS[subject.name], *kinds])
         order = merge(evidence.acts, evidence.loose)
         feeder = Feeder(subject.name, node, wires, bool(start.get("lockstep")))
@@ -151,6 +153,23 @@ def _parameter_notes(node: DpNode[Any], subject: Subject, parameters: NodeParame
         raise ReexecutionError(f"--set: {subject.name} has no parameter {unknown[0]}")
     gone = sorted(name for name in parameters.start if not node.has_parameter(name))
     return [f"the present {subject.name} has no parameter {', '.join(gone)}"] if gone else []
+
+
+def _expect_present_definitions(subject: Subject, topics: Sequence[str]) -> None:
+    """Raise ReexecutionError if a topic was recorded with another definition of its messages than the present one."""
+    for topic in topics:
+        found = subject.recording.topics.get(subject.namespace + topic)
+        if found is not None and _fields(found.definition) != _fields(full_definition(found.kind)):
+            raise ReexecutionError(
+                f"{subject.recording.path}: {found.name}: expected messages {found.kind} as they are defined at "
+                "present, found another definition of them: they cannot be fed"
+            )
+
+
+def _fields(definition: str) -> list[str]:
+    """Return the lines of a definition without comments and spaces."""
+    lines = ("".join(line.partition("#")[0].split()) for line in definition.splitlines())
+    return [line for line in lines if line]
 
 
 def _gap_notes(subject: Subject, topics: Sequence[str]) -> list[str]:

@@ -90,12 +90,12 @@ class Run:
             for places in other_orders(self._order, start.act, self._topic):
                 before = {i: self._order.place[i] for i in places}
                 self._move(places)
-                if self._again(start, act, state):
+                if self._again(start, act):
                     self.moved += 1
                     self._kept = [one for one in self._kept if one.act <= start.act]
                     return True
                 self._move(before)
-        self._again(starts[0], act, state)
+        self._again(starts[0], act)
         return False
 
     def _near(self, act: int, state: State) -> list[Saved]:
@@ -103,7 +103,7 @@ class Run:
         first = max(act - _BACK, self._kept[0].act)
         start = max((one for one in self._kept if one.act <= first), key=lambda one: one.act)
         self._matcher.back_to(start.caught)
-        state.restore(start.state)
+        start.state.restore()
         found = []
         for number in range(start.act, act + 1):
             if number >= first:
@@ -117,10 +117,10 @@ class Run:
             if self._order.place[i] != number:
                 self._order.move(i, number)
 
-    def _again(self, start: Saved, until: int, state: State) -> bool:
+    def _again(self, start: Saved, until: int) -> bool:
         """Go back to ``start`` and feed again; return whether all is as recorded."""
         self._matcher.back_to(start.caught)
-        state.restore(start.state)
+        start.state.restore()
         for number in range(start.act, until + 1):
             self._step(number)
         return self._matcher.matches()

@@ -7,8 +7,7 @@ the code, or cannot be told from one: nothing more is tried.
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, product
 from typing import Any
@@ -18,6 +17,7 @@ from rclpy.serialization import deserialize_message
 from dp_node import DpNode
 from dp_tools.reexecution.canonical import canonical
 from dp_tools.reexecution.detached import Wires
+from dp_tools.reexecution.memento import Memento
 from dp_tools.reexecution.order import Order
 from dp_tools.reexecution.recording import Recorded
 
@@ -39,19 +39,25 @@ class State:
         self._node = node
         self._wires = wires
 
-    def save(self) -> dict[str, Any]:
-        """Return a copy of the state."""
-        return self._copy({name: getattr(self._node, name) for name in self._wires.made_at_start})
-
-    def restore(self, saved: Mapping[str, Any]) -> None:
-        """Go back to a state."""
-        vars(self._node).update(self._copy(dict(saved)))
-
-    def _copy(self, values: dict[str, Any]) -> dict[str, Any]:
+    def save(self) -> Memento:
+        """Keep the state as it is."""
         node, wires = self._node, self._wires
-        shared = [node, wires, node.vessel, node.settings, *wires.mouths.values(), *wires.ears, *wires.timers]
-        shared += wires.services.values()
-        return copy.deepcopy(values, {id(one): one for one in shared})
+        apart = [node, wires, *wires.mouths.values(), *wires.ears, *wires.timers, *wires.services.values()]
+        own = {name: getattr(node, name) for name in wires.made_at_start}
+        return _NodeMemento(node, own, apart)
+
+
+class _NodeMemento(Memento):
+    """A memento of what a node has made for its work."""
+
+    def __init__(self, node: DpNode[Any], own: dict[str, Any], apart: Iterable[Any]) -> None:
+        super().__init__(own.values(), apart)
+        self._node, self._own = node, own
+
+    def restore(self) -> None:
+        """Go back to this state."""
+        super().restore()
+        vars(self._node).update(self._own)
 
 
 @dataclass(frozen=True)
@@ -59,7 +65,7 @@ class Saved:
     """State before an act."""
 
     act: int
-    state: dict[str, Any]
+    state: Memento
     caught: int
 
 
