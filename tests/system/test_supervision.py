@@ -103,7 +103,9 @@ class Watch:
     def wait_until_held(self) -> None:
         """Wait until 25 samples in a row, 5 s, were within the envelope."""
         self.held = 0
-        self.one.wait_until(lambda: self.held >= 25, BACK_WITHIN / RATE, f"the vessel within {ENVELOPE} of its set point")
+        self.one.wait_until(
+            lambda: self.held >= 25, BACK_WITHIN / RATE, f"the vessel within {ENVELOPE} of its set point"
+        )
 
 
 @pytest.fixture(scope="module")
@@ -195,5 +197,11 @@ def test_ctrl_c_in_the_middle_of_a_back_off_leaves_nothing_and_no_limit_was_brok
     left = [each for each in psutil.process_iter(["cmdline"]) if str(folder) in " ".join(each.info["cmdline"] or [])]
     assert left == []
     checks = limits_violations(read_bag(folder / "bag").run, load_vessel("cybership3"))
-    assert {check.limit for check in checks} == {"thrust", "thrust_rate", "azimuth_rate", "torque", "azimuth_motor_rate"}
+    assert {check.limit for check in checks} == {
+        "thrust",
+        "thrust_rate",
+        "azimuth_rate",
+        "torque",
+        "azimuth_motor_rate",
+    }
     assert [check for check in checks if check.violations] == []
