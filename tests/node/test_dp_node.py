@@ -95,6 +95,17 @@ def test_a_node_launched_alone_becomes_active_and_answers(bench: NodeBench) -> N
     assert bench.wait_for("pong")[0].wrench.force.x == 2.0
 
 
+@pytest.mark.parametrize(
+    "transition", [Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE, Transition.TRANSITION_CLEANUP, 99]
+)
+def test_a_transition_that_its_state_does_not_have_is_refused_and_the_node_lives(
+    bench: NodeBench, transition: int
+) -> None:
+    assert not change_state(bench, transition)
+    assert state(bench) == State.PRIMARY_STATE_ACTIVE
+    assert change_state(bench, Transition.TRANSITION_DEACTIVATE)
+
+
 def test_a_refused_input_is_counted_and_the_next_one_answered(bench: NodeBench) -> None:
     bench.hear(WrenchStamped, "pong")
     publisher = bench.publisher(WrenchStamped, "ping")

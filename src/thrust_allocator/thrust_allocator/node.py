@@ -17,6 +17,7 @@ from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME
 from marine_model.guards import FloatArray, finite_vector
+from marine_model.thruster_configuration import generalized_force
 from thrust_allocator.allocator import Allocator
 from thrust_allocator.node_health import Tally, health_of
 from thrust_allocator.result import AllocationResult, Status
@@ -260,13 +261,19 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         wrench = message.wrench
         result = self._core.step((wrench.force.x, wrench.force.y, wrench.torque.z), dt)
         if self._resting:
-            result = replace(result, status=Status.DEACTIVATED, message="deactivated: thrust is ramped to zero")
+            result = self._as_resting(result)
         self._publish(stamp, result)
         self._commanded = to_nanoseconds(stamp), result.thrust, result.azimuth
         before = Status.OPTIMAL if self._tally.last is None else self._tally.last.status
         self._tally.add(result, self.settings.solver, dt)
         if result.status is not before:
             self._report(result)
+
+    def _as_resting(self, result: AllocationResult) -> AllocationResult:
+        """Return an answer in which what is left of the thrusts counts: a lost thruster's would not."""
+        vessel, totals = self.vessel, result.totals.copy()
+        totals[:3] = generalized_force(vessel.lever_x, vessel.lever_y, result.thrust, result.azimuth)
+        return replace(result, totals=totals, status=Status.DEACTIVATED, message="thrust is ramped to zero")
 
     def _since_last_command(self, stamp: int) -> float:
         """Return the time from the last command of an earlier activation to ``stamp`` (ns), s; one sample without."""
