@@ -11,8 +11,9 @@ from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 
-from dp_node import RING, Alarm, Health, health_with, raised
+from dp_node import Health
 from dp_node.health import to_status
+from dp_node.quality import Promise, offered
 from dp_tools.recorder import RECORDER_EARS
 from dp_tools.recorder.attachments import SCENARIO_ATTACHMENT, VESSEL_ATTACHMENT, vessel_document
 from dp_tools.recorder.bag_writer import BagWriter, Limits
@@ -21,6 +22,7 @@ from dp_tools.recorder.errors import RecordingRefusedError
 from dp_tools.recorder.parameter_snapshots import Snapshot, Snapshots
 from dp_tools.recorder.parameter_watch import ParameterWatch
 from dp_tools.recorder.recorder import Recorder
+from dp_tools.recorder.recorder_health import RecorderState, health_of
 from dp_tools.recorder.selection import PARAMETER_EVENTS, Selection
 from dp_tools.versions import VERSIONS_RECORD, versions
 from marine_model import load_vessel
@@ -82,7 +84,7 @@ class RecorderNode(Node):
 
         self.recorder = Recorder(self.ears, self.writer, selection, taps)
         self.watch = ParameterWatch(self.ears, selection.is_below, keep, self.get_logger().warning)
-        self._publisher = self.create_publisher(DiagnosticArray, "/diagnostics", RING)
+        self._publisher = self.create_publisher(DiagnosticArray, "/diagnostics", offered("/diagnostics", Promise()))
         self.create_timer(1.0, self.publish_health)
 
     def _declare(self, name: str, default: Any, description: str, limit: float | str = "") -> Any:
@@ -111,32 +113,22 @@ class RecorderNode(Node):
 
     def health(self) -> Health:
         """Return what there is to say of the recording."""
-        lost = self.recorder.lost
-        values: dict[str, object] = {
-            "messages": self.writer.message_count,
-            "topics": len(self.recorder.counts),
-            "bytes": self.writer.size,
-            "files": self.writer.file_count,
-            "lost": sum(lost.values()),
-            **{f"lost {topic}": count for topic, count in lost.items()},
-        }
-        return health_with(self._alarms(), values, "recording")
-
-    def _alarms(self) -> list[Alarm]:
-        lost, silent, failed = self.recorder.lost, self.watch.silent, self.writer.failed
-        alarms = []
-        if failed is not None:
-            code = "RECORDER-DISK-FULL" if self.writer.disk_full else "RECORDER-WRITE-FAILED"
-            alarms.append(raised(code, str(failed)))
-        if lost:
-            alarms.append(raised("RECORDER-MESSAGES-LOST", f"on {', '.join(lost)}"))
-        if silent:
-            alarms.append(raised("RECORDER-PARAMETERS-MISSING", ", ".join(silent)))
-        return alarms
+        failed = self.writer.failed
+        state = RecorderState(
+            messages=self.writer.message_count,
+            topics=len(self.recorder.counts),
+            size=self.writer.size,
+            files=self.writer.file_count,
+            lost=self.recorder.lost,
+            silent=self.watch.silent,
+            failed="" if failed is None else str(failed),
+            disk_full=self.writer.disk_full,
+        )
+        return health_of(state)
 
     def publish_health(self) -> None:
         """Say on /diagnostics how it goes."""
-        message = DiagnosticArray(status=[to_status(self.get_name(), self.health())])
+        message = DiagnosticArray(status=[to_status(self.get_fully_qualified_name().lstrip("/"), self.health())])
         message.header.stamp = self.get_clock().now().to_msg()
         self._publisher.publish(message)
 
