@@ -30,11 +30,6 @@ NUMBERS = {
     ParameterType.PARAMETER_DOUBLE_ARRAY,
 }
 REALS = {ParameterType.PARAMETER_DOUBLE, ParameterType.PARAMETER_DOUBLE_ARRAY}
-# Numbers without a range, each with the reason.
-ANY_NUMBER = {
-    ("vessel_sim", "initial.north"): "a vessel may begin anywhere",
-    ("vessel_sim", "initial.east"): "a vessel may begin anywhere",
-}
 
 
 @pytest.mark.parametrize(("node", "name"), NAMES)
@@ -48,9 +43,6 @@ def test_a_parameter_has_a_meaning_a_unit_and_a_range(node: str, name: str) -> N
     if descriptor.type in REALS:
         assert extra["unit"], "a real number has a unit; 1 for a plain one"
     if descriptor.type not in NUMBERS:
-        return
-    if (node, name) in ANY_NUMBER:
-        assert limits(field) == (None, None), "no exception any more"
         return
     low, _ = limits(field)
     assert low is not None, "a number has a least value"
