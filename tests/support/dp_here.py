@@ -13,6 +13,7 @@ from dp_tools.cli import main
 from dp_tools.commands import (
     design,
     detection,
+    disturb,
     open_water,
     parameters,
     propeller,
@@ -30,6 +31,7 @@ Dp = Callable[..., tuple[int, str]]
 _MODULES = (
     design,
     detection,
+    disturb,
     open_water,
     parameters,
     propeller,
