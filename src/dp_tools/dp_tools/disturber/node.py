@@ -48,7 +48,9 @@ class DisturberNode(Node):
     def __init__(self) -> None:
         super().__init__("disturber")
         self.names = {
-            name: str(self.declare_parameter(name, default, ParameterDescriptor(description=text, read_only=True)).value)
+            name: str(
+                self.declare_parameter(name, default, ParameterDescriptor(description=text, read_only=True)).value
+            )
             for name, default, text in (
                 ("input", "pose_measured", "Topic that is listened to."),
                 ("output", "pose", "Topic that is published."),
