@@ -31,6 +31,7 @@ from benchmarks.result import Result, write_results
 from benchmarks.scaling import measure_scaling
 from benchmarks.sea import measure_sea
 from benchmarks.sectors import measure_sectors
+from benchmarks.soak import measure_soak
 from benchmarks.start_up import measure_start_up
 
 _MEASUREMENTS: dict[str, tuple[str, Callable[[Plan], list[Result]]]] = {
@@ -49,7 +50,10 @@ _MEASUREMENTS: dict[str, tuple[str, Callable[[Plan], list[Result]]]] = {
     "scaling": ("Allocation by number of thrusters and sectors", measure_scaling),
     "gain_map": ("Map of the minimum gain", measure_gain_map),
     "propulsion": ("Step of the propulsion plant", measure_propulsion),
+    "soak": ("A long voyage, composed", measure_soak),
 }
+# Takes longer than all the rest together: only if asked for by name.
+_ON_REQUEST = frozenset({"soak"})
 # Tests take ROS domains up to 101. From 215 on the ports of a domain lie above Linux's ephemeral range.
 _DOMAIN = "220"
 _WIDTH = 160  # columns, where the output goes to no terminal
@@ -72,7 +76,7 @@ def main(arguments: Sequence[str]) -> int:
     failed: list[str] = []
     with tempfile.TemporaryDirectory(prefix="dp_benchmarks_") as scratch:
         plan = quick(Path(scratch)) if chosen.quick else whole(Path(scratch))
-        for name in chosen.only or _MEASUREMENTS:
+        for name in chosen.only or [name for name in _MEASUREMENTS if name not in _ON_REQUEST]:
             title, measure = _MEASUREMENTS[name]
             try:
                 with Progress(console=console, transient=True) as bar:

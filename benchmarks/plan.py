@@ -33,6 +33,8 @@ class Plan:
     load_seconds: float  # of real time in which the drivers' processor time is counted
     propulsion_thrusters: int  # in one step of the propulsion plant
     propulsion_blocks: int  # steps of all of them, each in turn with calls for one
+    soak_seconds: float  # simulated, of the long voyage
+    soak_interval: float  # simulated time between two readings of it, s
     progress: Callable[[int, int], None] = lambda done, total: None  # told how much is done, and of what
 
 
@@ -60,6 +62,8 @@ def whole(scratch: Path) -> Plan:
         load_seconds=30.0,
         propulsion_thrusters=10_000,
         propulsion_blocks=100,
+        soak_seconds=10_000.0,
+        soak_interval=50.0,
     )
 
 
@@ -88,4 +92,6 @@ def quick(scratch: Path) -> Plan:
         load_seconds=4.0,
         propulsion_thrusters=100,
         propulsion_blocks=5,
+        soak_seconds=40.0,
+        soak_interval=2.0,
     )

@@ -18,6 +18,7 @@ setup(
     entry_points={
         "console_scripts": [
             "dp = dp_tools.cli:main",
+            "disturber = dp_tools.disturber.node:main",
             "recorder = dp_tools.recorder.node:main",
         ],
     },

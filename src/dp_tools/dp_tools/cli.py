@@ -5,6 +5,7 @@ from __future__ import annotations
 from dp_tools.commands.bag import bag_app
 from dp_tools.commands.design import design
 from dp_tools.commands.detection import detection
+from dp_tools.commands.disturb import disturb
 from dp_tools.commands.open_water import open_water_app
 from dp_tools.commands.parameters import parameters_app
 from dp_tools.commands.propeller import propeller
@@ -29,6 +30,7 @@ app.command()(restart)
 app.command()(design)
 app.command()(propeller)
 app.command()(detection)
+app.command()(disturb)
 app.add_typer(bag_app, name="bag")
 app.add_typer(parameters_app, name="param")
 app.add_typer(scenario_app, name="scenario")

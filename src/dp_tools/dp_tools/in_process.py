@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from dp_controller import Controller, ControllerInputs, ControllerSettings
-from dp_observer import Observer, ObserverInputs, ObserverSettings
+from dp_observer import Observer, ObserverEstimate, ObserverInputs, ObserverSettings
 from dp_tools.node_settings import ALLOCATOR, CONTROLLER, DRIVERS, OBSERVER, SIMULATOR
 from dp_tools.run_data import PROPULSION_TRUTH, RunData, RunInfo
 from dp_tools.run_log import RunLog
@@ -100,6 +100,7 @@ class ClosedLoop:
         self._tau_achieved: FloatArray = np.zeros(3)
         self._thrust: FloatArray = np.zeros(n)
         self._azimuth: FloatArray = np.zeros(n)
+        self._command_stamp = 0  # ns
 
     @property
     def time(self) -> float:
@@ -201,7 +202,7 @@ class ClosedLoop:
             power[k] = output.power
             azimuth[k] = output.azimuth
             pitch_ratio[k] = output.pitch_ratio
-            age = phase * step_ns * 1e-9
+            age = (k * step_ns - self._command_stamp) * 1e-9
             setpoint = drivers.step(
                 DriverInputs(
                     self._thrust,
@@ -224,6 +225,22 @@ class ClosedLoop:
             output = simulator.step(SimulatorInputs(setpoint.torque, setpoint.azimuth_rate, setpoint.pitch_ratio), step)
         self._tick = max(until, self._tick)
 
+    def _estimate(
+        self, now: int, pose: FloatArray | None, elapsed: float
+    ) -> tuple[ObserverEstimate, float, int] | None:
+        """Return the observer's answer to a pose, the time (s) since the answer before, and its stamp (ns).
+
+        A loop that is disturbed may answer otherwise; None for not at all: the command before stands.
+        """
+        return self._observer.step(ObserverInputs(pose, self._tau_achieved), elapsed), elapsed, now
+
+    def _repeat_row(self, i: int) -> None:
+        """Log a sample without an answer as the one before it."""
+        if i:
+            for name, values in self._log.rows.items():
+                if name not in _AT_FEEDBACK:
+                    values[i] = values[i - 1]
+
     def _control(self, k: int) -> None:
         """Answer the pose at tick ``k`` with a command."""
         elapsed = self._ratio * self._step_ns * 1e-9 if k else self._vessel.measurement.sample_time
@@ -233,7 +250,11 @@ class ClosedLoop:
         pose = simulator.measure()
         if pose is not None:
             pose = _as_sent(pose)
-        estimate = self._observer.step(ObserverInputs(pose, self._tau_achieved), elapsed)
+        answered = self._estimate(k * self._step_ns, pose, elapsed)
+        if answered is None:
+            self._repeat_row(k // self._ratio)
+            return
+        estimate, elapsed, stamp = answered
         position = _as_sent(estimate.position)
         demand = self._controller.step(
             ControllerInputs(position, estimate.velocity, self._tau_achieved, estimate.valid, wind), elapsed
@@ -255,6 +276,7 @@ class ClosedLoop:
         answer = self._allocator.step(demand.tau_desired, elapsed)
         self._tau_achieved = answer.tau_achieved
         self._thrust, self._azimuth = answer.thrust, answer.azimuth
+        self._command_stamp = stamp
         self._answered = k * self._step_ns
 
         log, rows, i = self._log, self._log.rows, k // self._ratio
