@@ -19,6 +19,9 @@ _PATIENCE = 10.0
 _ASK_SILENT_AGAIN = 5.0
 # A node is known by name before its publisher of parameter events is; after so long, s, it has none.
 _NO_EVENTS = 3.0
+# Requests that were sent again are answered as well, all at once; a service that answers a client that has gone stands
+# still for a tenth of a second, so clients stay for so long, s.
+_STAY = 5.0
 
 # Node by its full name, and which of its lives: the identity of its publisher of parameter events.
 Instance = tuple[str, bytes]
@@ -129,6 +132,7 @@ class ParameterWatch:
         self._known: set[Instance] = set()
         self._first_seen: dict[str, float] = {}  # of nodes without parameter events
         self._inquiries: dict[str, _Inquiry] = {}
+        self._answered: list[tuple[float, _Inquiry]] = []  # with the time until when their clients stay
 
     @property
     def silent(self) -> list[str]:
@@ -154,12 +158,15 @@ class ParameterWatch:
         """Send what is to be sent, and take what has arrived; ``now`` in s, ``wall_clock`` in ns."""
         for inquiry in list(self._inquiries.values()):
             self._serve(inquiry, now, wall_clock)
+        while self._answered and self._answered[0][0] <= now:
+            self._answered.pop(0)[1].close()
 
     def close(self) -> None:
         """Give the service clients back."""
-        for inquiry in self._inquiries.values():
+        for inquiry in (*self._inquiries.values(), *(one for _, one in self._answered)):
             inquiry.close()
         self._inquiries.clear()
+        self._answered.clear()
 
     def _present(self, now: float) -> set[Instance]:
         """Return the nodes of the graph. A killed node stays known for a while; its next life has another identity."""
@@ -188,7 +195,7 @@ class ParameterWatch:
         if answer is not None:
             snapshot = inquiry.take(*answer)
             if snapshot is not None:
-                self._finish(inquiry, snapshot)
+                self._finish(inquiry, snapshot, now)
                 return
             inquiry.next_ask = now
         if now - inquiry.since > _PATIENCE and not inquiry.warned:
@@ -198,9 +205,9 @@ class ParameterWatch:
             inquiry.question.ask(inquiry.request(), wall_clock)
             inquiry.next_ask = now + (_ASK_SILENT_AGAIN if inquiry.warned else _ASK_AGAIN)
 
-    def _finish(self, inquiry: _Inquiry, snapshot: Snapshot) -> None:
+    def _finish(self, inquiry: _Inquiry, snapshot: Snapshot, now: float) -> None:
         del self._inquiries[inquiry.node]
-        inquiry.close()
+        self._answered.append((now + _STAY, inquiry))
         self._keep(snapshot)
 
 
