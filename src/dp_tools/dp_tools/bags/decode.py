@@ -95,7 +95,10 @@ class TopicDecoder:
     def message(self, data: bytes) -> Any:
         """Return one message as an object with the fields of its definition. Raises BagError."""
         try:
-            return self.types.deserialize_cdr(data, self.topic.kind)
+            form: Any = self.types.get_msgdef(self.topic.kind)
+            read = form.deserialize_cdr_le if data[1] else form.deserialize_cdr_be
+            # Not types.deserialize_cdr: serializers may fill up the end of a message, which it does not allow.
+            return read(data[4:], 0, form.cls, self.types)[0]
         except (SerdeError, AssertionError, struct.error, ValueError, IndexError, TypeError, MemoryError) as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise BagError(

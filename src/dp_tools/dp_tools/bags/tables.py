@@ -137,7 +137,8 @@ Writer = Callable[[TopicTable, str, Path, Callable[[int], None]], int]
 def _write_csv(table: TopicTable, kind: str, path: Path, progress: Callable[[int], None]) -> int:
     count = 0
     with path.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
+        # Line ends as in RFC 4180; with another, a carriage return in a text would not be quoted.
+        writer = csv.writer(stream, lineterminator="\r\n")
         head = [*_TIMES, *table.columns]
         writer.writerow([f"{path} [{unit}]" if (unit := table.unit(path)) else path for path in head])
         for rows, cells in table.blocks():
