@@ -259,6 +259,38 @@ def test_an_earlier_original_is_not_replaced(tmp_path: Path) -> None:
             repair(bag)
 
 
+def test_a_bag_that_is_being_written_is_left_alone(tmp_path: Path) -> None:
+    with bag_of(whole_bag()[0][:2000]) as bag, (bag / "bag_0.mcap").open("ab"):
+        with pytest.raises(BagError, match=r"bag_0\.mcap: is being written by process \d+"):
+            repair(bag)
+        assert [path.name for path in bag.iterdir()] == ["bag_0.mcap"]
+
+
+def test_bags_that_the_recorder_splits(tmp_path: Path) -> None:
+    """Every file repeats attachments; a repair into one file has them once."""
+    from dp_tools.recorder.bag_metadata import TopicInfo
+    from dp_tools.recorder.bag_writer import BagWriter, Limits
+
+    writer = BagWriter(tmp_path / "bag", limits=Limits(duration=1_000_000_000))
+    writer.attach("vessel.yaml", "application/yaml", VESSEL, START)
+    writer.attach("parameters/node.yaml", "application/yaml", b"/**/node: {ros__parameters: {a: 1}}\n", START)
+    channel = writer.add_topic(TopicInfo("/a", "std_msgs/msg/String"), "string data\n")
+    for k in range(50):
+        at = START + k * 100_000_000
+        writer.write(channel, text(str(k)), at, at, k + 1)
+    writer.close()
+    bag = tmp_path / "bag"
+    assert len(list(bag.glob("*.mcap"))) >= 4
+    checked = check_bag(bag)
+    assert (told(checked), checked.messages) == ("", 50)
+    whole = content(bag)
+    (bag / "metadata.yaml").unlink()
+    assert repair(bag, tmp_path / "one").messages["bag_1.mcap"] > 0
+    assert content(tmp_path / "one") == whole
+    with open_bag(tmp_path / "one") as opened:
+        assert [one.name for one in opened.attachments] == ["vessel.yaml", "parameters/node.yaml"]
+
+
 def test_one_file_by_itself(tmp_path: Path) -> None:
     file = tmp_path / "alone.mcap"
     file.write_bytes(whole_bag()[0][:-30])

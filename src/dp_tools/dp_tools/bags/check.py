@@ -62,6 +62,7 @@ def check_bag(path: Path, progress: Callable[[int], None] = lambda done: None) -
     checked = Checked()
     files = bag_files(path)
     done = 0
+    counts = {}
     for file in files.files:
         structure = StructureCheck(file)
 
@@ -74,11 +75,12 @@ def check_bag(path: Path, progress: Callable[[int], None] = lambda done: None) -
         except OSError as error:
             raise BagError(f"{file}: cannot be read: {error.strerror or error}") from error
         checked.structure += structure.findings
+        counts[file.name] = structure.contents.messages.total()
         checked.messages += structure.contents.messages.total()
     try:
         with open_bag(path) as bag:
             checked.messages = len(bag.messages)
-            checked.structure += check_metadata(bag)
+            checked.structure += check_metadata(bag, counts)
             checked.content += check_content(bag)
     except BagError as error:
         # What is damaged has been told; the messages are looked at once it is repaired.

@@ -35,6 +35,8 @@ class BagCopy:
         self.folder = folder
         self._writer = BagWriter(folder, overwrite)
         self._channels: dict[tuple[str, str], int] = {}
+        self._attached: set[str] = set()
+        self._described: dict[str, Mapping[str, str]] = {}
         self.count = 0
         """Messages written."""
 
@@ -58,12 +60,22 @@ class BagCopy:
         self.count += 1
 
     def attach(self, attachment: Any) -> None:
-        """Take over an attachment. Raises RecordingStoppedError."""
+        """Take over an attachment, unless it only repeats one: every file of a split bag has them all.
+
+        Raises
+        ------
+        RecordingStoppedError
+            If the disk is full or fails.
+        """
+        if attachment.log_time > attachment.create_time and attachment.name in self._attached:
+            return
+        self._attached.add(attachment.name)
         self._writer.attach(attachment.name, attachment.media_type, attachment.data, attachment.log_time)
 
     def describe(self, record: Any) -> None:
         """Take over a metadata record. Raises RecordingStoppedError."""
-        if record.name != _OWN_RECORD:
+        if record.name != _OWN_RECORD and self._described.get(record.name) != record.metadata:
+            self._described[record.name] = record.metadata
             self._writer.describe(record.name, record.metadata)
 
     def close(self, custom_data: Mapping[str, str]) -> None:

@@ -124,7 +124,7 @@ def _parameters(bag: Bag) -> dict[str, dict[str, Any]]:
     try:
         for snapshot in snapshots(bag):
             own = found.setdefault(snapshot.node, {"snapshots": 0, "parameters": 0, "changes": 0})
-            own["snapshots"] += 1
+            own["snapshots"] += not snapshot.repeated
             own["parameters"] = len(snapshot.values)
         for change in changes(bag):
             if change.node in found:

@@ -13,8 +13,16 @@ from dp_tools.bags.finding import Finding
 from dp_tools.bags.yaml_text import YAML_ERRORS, from_yaml
 
 
-def check_metadata(bag: Bag) -> Iterator[Finding]:
-    """Yield what metadata.yaml says and the files do not hold; nothing where a single file was named."""
+def check_metadata(bag: Bag, counts: Mapping[str, int]) -> Iterator[Finding]:
+    """Yield what metadata.yaml says and the files do not hold; nothing where a single file was named.
+
+    Parameters
+    ----------
+    bag
+        Open.
+    counts
+        Messages by name of the file.
+    """
     told = bag.files.metadata
     if told is None:
         if bag.files.path.is_dir():
@@ -31,6 +39,11 @@ def check_metadata(bag: Bag) -> Iterator[Finding]:
     for name, says, there in checks:
         if says != there:
             yield Finding(METADATA, f"{name}: it says {says}, the bag holds {there}")
+    listed = told.get("files")
+    for one in listed if isinstance(listed, list) else []:
+        name, says = _at(one, "path"), _at(one, "message_count")
+        if name not in counts or says != counts[name]:
+            yield Finding(METADATA, f"files: {name}: it says {says} messages, the file holds {counts.get(name, 0)}")
     yield from _check_topics(bag, told)
     unknown = sorted({path.name for path in bag.files.path.glob("*.mcap")} - {path.name for path in bag.files.files})
     if unknown:

@@ -42,11 +42,14 @@ class Snapshot:
         When they were taken, ns since 1970.
     values
         By name.
+    repeated
+        Whether a further file of a split bag only repeats what had been taken before.
     """
 
     node: str
     time: int
     values: Mapping[str, Any]
+    repeated: bool = False
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,8 @@ def snapshots(bag: Bag) -> list[Snapshot]:
                 path.write_bytes(attachment.data)
                 by_node = read_parameter_file(path)
             values = by_node.get(name.rpartition("/")[2], {})
-            found.append(Snapshot(f"/{name}", attachment.log_time, values))
+            repeated = attachment.log_time > attachment.create_time
+            found.append(Snapshot(f"/{name}", attachment.log_time, values, repeated))
     return found
 
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import psutil
 from mcap.records import Attachment, Metadata
 
 from dp_tools.bags.copy import BagCopy, custom_data
 from dp_tools.bags.errors import BagError
 from dp_tools.bags.files import METADATA, BagFiles, bag_files
 from dp_tools.bags.salvage import Salvage, SavedMessage
+from dp_tools.recorder.bag_writer import RESERVE
 
 _DAMAGED = ".damaged"
 # Where the new bag is made until it is whole.
@@ -71,6 +74,7 @@ def repair(path: Path, output: Path | None = None, progress: Callable[[int], Non
     for original in originals:
         if original.with_name(original.name + _DAMAGED).exists():
             raise BagError(f"{original.name}{_DAMAGED}: is there already, from an earlier repair; move it away first")
+    _expect_no_writer(files)
     workshop = folder / _WORKSHOP
     done = Repaired(files.path)
     try:
@@ -78,6 +82,7 @@ def repair(path: Path, output: Path | None = None, progress: Callable[[int], Non
         _write(files, BagCopy(made, overwrite=True), done, progress)
         for original in originals:
             done.kept.append(original.rename(original.with_name(original.name + _DAMAGED)))
+        (folder / RESERVE).unlink(missing_ok=True)  # of a recorder that was killed
         for new in sorted(made.iterdir()):
             if not single:
                 new.rename(folder / new.name)
@@ -100,6 +105,16 @@ def _files(path: Path) -> BagFiles:
         if not found:
             raise
         return BagFiles(folder, found, None)
+
+
+def _expect_no_writer(files: BagFiles) -> None:
+    """Raise BagError if a process on this machine writes to a file: what looks unfinished may just not be finished yet."""
+    watched = {str(path.resolve()) for path in files.files}
+    for process in psutil.process_iter():
+        with suppress(psutil.Error):
+            for one in process.open_files():
+                if one.path in watched and one.mode != "r":
+                    raise BagError(f"{one.path}: is being written by process {process.pid}")
 
 
 def _write(files: BagFiles, copy: BagCopy, done: Repaired, progress: Callable[[int], None]) -> None:

@@ -151,6 +151,8 @@ def _is_replaced(attachment: Any, known: Collection[str], first: int, last: int)
     name, time = str(attachment.name), int(attachment.log_time)
     if not name.startswith(FOLDER):
         return False
+    if time > attachment.create_time:  # a further file of a split bag begins
+        return True
     node = "/" + name.removeprefix(FOLDER).removesuffix(".yaml")
     return (node in known and time <= first) or time > last
 
