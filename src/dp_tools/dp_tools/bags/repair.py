@@ -108,7 +108,7 @@ def _files(path: Path) -> BagFiles:
 
 
 def _expect_no_writer(files: BagFiles) -> None:
-    """Raise BagError if a process on this machine writes to a file: what looks unfinished may just not be finished yet."""
+    """Raise BagError if a process on this machine writes to a file: what looks unfinished may not be finished yet."""
     watched = {str(path.resolve()) for path in files.files}
     for process in psutil.process_iter():
         with suppress(psutil.Error):
