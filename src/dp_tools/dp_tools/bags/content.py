@@ -14,8 +14,8 @@ from dp_tools.bags.finding import Finding
 from dp_tools.recorder.attachments import SCENARIO_ATTACHMENT, VESSEL_ATTACHMENT
 
 _STAMP = "header.stamp"
-# What an operator sends at time 0 is stamped 1 ns, as 0 would mean none, and may be answered before the first sample.
-_SAME_TIME = 1
+# They carry the stamp of what they answer: feedback and commands, odometry and operators, which need not be in order.
+_ANSWER_TWO = frozenset(("actuator_setpoint", "controller_status"))
 # Every node publishes there: times and numbers of several publishers are mixed.
 _SHARED = frozenset(("/diagnostics", "/rosout", "/parameter_events"))
 
@@ -108,8 +108,8 @@ def _check_fields(bag: Bag, number: int, progress: Callable[[int], None]) -> Ite
         yield Finding(topic.name, str(error).removeprefix(f"{topic.name}: "))
         return
     yield from _tell_of_numbers(topic, bad, count)
-    if stamps and not several_publishers(topic):
-        back = np.flatnonzero(np.diff(np.concatenate(stamps)) < -_SAME_TIME)
+    if stamps and not several_publishers(topic) and topic.name.rpartition("/")[2] not in _ANSWER_TWO:
+        back = np.flatnonzero(np.diff(np.concatenate(stamps)) < 0)
         if len(back):
             yield Finding(topic.name, f"{_STAMP} goes back {len(back)} times, first at message {back[0] + 1}")
 
