@@ -26,6 +26,7 @@ from benchmarks.parts import measure_parts
 from benchmarks.plan import Plan, quick, whole
 from benchmarks.printout import print_machine, print_results
 from benchmarks.propulsion import measure_propulsion
+from benchmarks.recording import measure_recording
 from benchmarks.result import Result, write_results
 from benchmarks.scaling import measure_scaling
 from benchmarks.sea import measure_sea
@@ -34,6 +35,7 @@ from benchmarks.start_up import measure_start_up
 
 _MEASUREMENTS: dict[str, tuple[str, Callable[[Plan], list[Result]]]] = {
     "hop": ("One hop of the ring", measure_hop),
+    "recording": ("Recorder", measure_recording),
     "in_process": ("In-process loop", measure_in_process),
     "sea": ("In-process loop in an irregular sea", measure_sea),
     "parts": ("Processor time of the in-process loop by part", measure_parts),

@@ -48,10 +48,10 @@ class Line:
         self._stamp = 0
         self._arrived = 0.0
 
-    def ready(self) -> bool:
-        """Return whether both topics have their other end."""
+    def ready(self, listeners: int = 1) -> bool:
+        """Return whether both topics have their other end; ``listeners`` of the request."""
         ends = self._publisher.get_subscription_count(), self._subscription.get_publisher_count()
-        return bool(ends == (1, 1))
+        return bool(ends == (listeners, 1))
 
     def hop(self, request: Any) -> float:
         """Send a request and return the time to its answer, s.
@@ -78,7 +78,7 @@ class Line:
 
 def measure_hop(plan: Plan) -> list[Result]:
     """Measure the hop through the allocator beside the bare one."""
-    requests = _requests(plan)
+    requests = demands(plan)
     with operator() as one, _servers(plan, one):
         ring = Line(one, "tau_desired", "thruster_command", ThrusterCommand)
         bare = Line(one, echo_node.REQUEST, echo_node.ANSWER, WrenchStamped)
@@ -118,7 +118,7 @@ def _servers(plan: Plan, one: Operator) -> Iterator[None]:
         children.stop()
 
 
-def _requests(plan: Plan) -> Iterator[Any]:
+def demands(plan: Plan) -> Iterator[Any]:
     """Yield the demands of the scenario one after another, over and over, with stamps that go on."""
     vessel: Vessel = load_vessel(plan.vessel)
     demands = ClosedLoop(vessel, plan.scenario).run()["tau_desired"].values.tolist()

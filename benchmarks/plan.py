@@ -23,6 +23,7 @@ class Plan:
     sea_seconds: float  # of simulated time that the peer sails in it
     hop_blocks: int  # blocks of requests, each
     hop_requests: int  # requests a block
+    record_seconds: float  # of messages for the recorder
     start_ups: int  # each
     allocation_blocks: int  # blocks of steps of the allocator and its peers, each
     allocation_steps: int  # steps of the allocator a block; slow peers get the first of them
@@ -49,6 +50,7 @@ def whole(scratch: Path) -> Plan:
         sea_seconds=2.0,
         hop_blocks=20,
         hop_requests=250,
+        record_seconds=20.0,
         start_ups=3,
         allocation_blocks=20,
         allocation_steps=200,
@@ -76,6 +78,7 @@ def quick(scratch: Path) -> Plan:
         sea_seconds=0.2,
         hop_blocks=2,
         hop_requests=20,
+        record_seconds=1.0,
         start_ups=1,
         allocation_blocks=2,
         allocation_steps=20,

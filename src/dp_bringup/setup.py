@@ -21,5 +21,10 @@ setup(
     zip_safe=False,
     description="Brings the dynamic-positioning graph up: processes, launch, parameter and scenario files.",
     license="Apache-2.0",
-    entry_points={"console_scripts": ["composed = dp_bringup.composed:main"]},
+    entry_points={
+        "console_scripts": [
+            "composed = dp_bringup.composed:main",
+            "supervisor = dp_bringup.supervisor.main:main",
+        ]
+    },
 )

@@ -7,6 +7,9 @@ import pytest
 from geometry_msgs.msg import WrenchStamped
 from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, GetState
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 
 from dp_node import DpNode, Health
 from marine_model.errors import InputError, UnknownNameError
@@ -90,6 +93,17 @@ def test_a_node_launched_alone_becomes_active_and_answers(bench: NodeBench) -> N
     bench.hear(WrenchStamped, "pong")
     bench.publisher(WrenchStamped, "ping").publish(ping(2.0))
     assert bench.wait_for("pong")[0].wrench.force.x == 2.0
+
+
+@pytest.mark.parametrize(
+    "transition", [Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE, Transition.TRANSITION_CLEANUP, 99]
+)
+def test_a_transition_that_its_state_does_not_have_is_refused_and_the_node_lives(
+    bench: NodeBench, transition: int
+) -> None:
+    assert not change_state(bench, transition)
+    assert state(bench) == State.PRIMARY_STATE_ACTIVE
+    assert change_state(bench, Transition.TRANSITION_DEACTIVATE)
 
 
 def test_a_refused_input_is_counted_and_the_next_one_answered(bench: NodeBench) -> None:
@@ -209,3 +223,33 @@ def test_a_node_that_cannot_configure_says_why_and_keeps_nothing() -> None:
         assert not change_state(bench, Transition.TRANSITION_CONFIGURE)
         assert state(bench) == State.PRIMARY_STATE_UNCONFIGURED
         assert bench.probe.count_publishers("pong") == 0
+
+
+@pytest.mark.parametrize("kind", [SetParameters, SetParametersAtomically])
+def test_a_parameter_of_a_type_that_does_not_exist_is_refused_and_the_node_lives(bench: NodeBench, kind: Any) -> None:
+    wrong = ParameterMessage(name="gain", value=ParameterValue(type=99))
+    service = "set_parameters" if kind is SetParameters else "set_parameters_atomically"
+    response = bench.call(kind, service, kind.Request(parameters=[wrong]))
+    result = response.results[0] if kind is SetParameters else response.result
+    assert not result.successful
+    assert "parameter gain: expected a type from 0 to 9 of rcl_interfaces/ParameterType, found 99" in result.reason
+    assert bench.set_parameters(gain=2.0).successful
+
+
+def test_a_transition_that_does_not_exist_is_refused_and_the_node_lives(bench: NodeBench) -> None:
+    assert not change_state(bench, 255)
+    assert not change_state(bench, Transition.TRANSITION_CONFIGURE), "already configured"
+    assert state(bench) == State.PRIMARY_STATE_ACTIVE
+
+
+def test_a_parameter_cannot_be_undeclared(bench: NodeBench) -> None:
+    unset = ParameterMessage(name="gain", value=ParameterValue(type=ParameterType.PARAMETER_NOT_SET))
+    request = SetParametersAtomically.Request(parameters=[unset])
+    assert not bench.call(SetParametersAtomically, "set_parameters_atomically", request).result.successful
+    assert bench.node.get_parameter("gain").value == 1.0
+
+
+def test_an_unknown_parameter_is_refused_by_its_name(bench: NodeBench) -> None:
+    result = bench.set_parameters(gain=2.0, gian=3.0)
+    assert (result.successful, result.reason) == (False, "no parameter 'gian'")
+    assert bench.node.settings.gain == 1.0

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,20 +19,31 @@ import rclpy
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from dp_msgs.msg import ThrusterCommand
+from mcap.exceptions import EndOfFile
 from mcap.reader import make_reader
+from mcap.records import Attachment, Channel, Message
+from mcap.stream_reader import StreamReader
 from mcap_ros2.decoder import DecoderFactory
 from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.duration import Duration
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 from std_msgs.msg import String
 
+from dp_bringup.parameter_service import read_parameter_file
 from dp_bringup.workspace import executable
 from dp_node import RING, Level
 from dp_tools.recorder.quality import DEPTH, matching_quality
+from support.dp_command import DpProcess
+from support.dp_here import Dp, dp_here
 from support.waiting import wait_until
+
+__all__ = ["dp_here"]
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SENSOR = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -281,11 +293,16 @@ def test_a_write_that_fails_ends_the_recording_with_a_readable_bag(node: Node, t
     until_heard(publisher)
     noise = random.Random(1)
     health = Diagnostics(node)
+
+    def fill(_: float) -> None:
+        publisher.publish(String(data=noise.randbytes(5_000).hex()))
+        health.take()
+
     wait_until(
         lambda: health.level == Level.ERROR,
         timeout=60.0,
         message=lambda: f"an alarm, have {health.status}",
-        spin=lambda _: (publisher.publish(String(data=noise.randbytes(5_000).hex())), health.take()),
+        spin=fill,
     )
     assert "File too large" in health.values["alarm.RECORDER-WRITE-FAILED"]
     # It is there to say so until it is told to end, and keeps nobody's messages meanwhile.
@@ -322,3 +339,172 @@ def test_quality_asks_for_what_all_publishers_offer() -> None:
     assert matching_quality([LATCHED]).durability == DurabilityPolicy.TRANSIENT_LOCAL
     assert matching_quality([LATCHED, RING]).durability == DurabilityPolicy.VOLATILE
     assert matching_quality([RING, SENSOR]).reliability == ReliabilityPolicy.BEST_EFFORT
+
+
+# Parameters of nodes -------------------------------------------------------------------------------------------------
+
+
+def records_so_far(path: Path) -> list[Any]:
+    """Return what the library's stream reader finds in a file that has no end yet."""
+    found: list[Any] = []
+    with path.open("rb") as stream, suppress(EndOfFile):
+        # Not list(): what comes before the end counts.
+        for record in StreamReader(stream, validate_crcs=True).records:
+            found.append(record)  # noqa: PERF402
+    return found
+
+
+def attached(path: Path, name: str) -> list[Attachment]:
+    return [one for one in records_so_far(path) if isinstance(one, Attachment) and one.name == name]
+
+
+def values_of(attachment: Attachment, folder: Path) -> dict[str, Any]:
+    (folder / "read.yaml").write_bytes(attachment.data)
+    return read_parameter_file(folder / "read.yaml")["worker"]
+
+
+def worker(gain: float) -> Node:
+    made = Node("worker", namespace="/ship")
+    made.declare_parameter("gain", gain)
+    made.declare_parameter("words", ["a", "no"])
+    made.declare_parameter("size", 3, ParameterDescriptor(read_only=True))
+    made.declare_parameter("unset", Parameter.Type.DOUBLE)  # rclpy then answers nothing to who asks for all
+    return made
+
+
+def test_parameters_of_a_node_are_in_the_bag_at_every_start_and_with_every_change(node: Node, tmp_path: Path) -> None:
+    path, name = tmp_path / "bag" / "bag_0.mcap", "parameters/ship/worker.yaml"
+    executor = SingleThreadedExecutor()
+
+    def spin(seconds: float) -> None:
+        executor.spin_once(timeout_sec=seconds)
+
+    recording = Recording(tmp_path / "bag")
+    wait_until(path.exists)
+    first = worker(1.5)
+    executor.add_node(first)
+    wait_until(lambda: attached(path, name), spin=spin, message="the parameters of the node")
+    # The event reaches only who is matched; then the change is told to everybody that listens.
+    wait_until(lambda: node.count_subscribers("/parameter_events") > 0)
+    first.set_parameters([Parameter("gain", value=2.5)])
+    executor.remove_node(first)
+    first.destroy_node()
+    second = worker(4.0)
+    executor.add_node(second)
+    wait_until(lambda: len(attached(path, name)) == 2, spin=spin, message="the parameters of the next life")
+    code, _, error = recording.end()
+    assert code == 0
+    # This one never spins, so it cannot answer.
+    assert "recorder: parameters of /talker are not in the bag: no answer\n" in error
+    assert "/talker" in information(tmp_path / "bag")["custom_data"]["parameters_missing"]
+    second.destroy_node()
+
+    before, after = attached(path, name)
+    expected = {"gain": 1.5, "size": 3, "use_sim_time": False, "words": ["a", "no"]}
+    assert values_of(before, tmp_path) == expected
+    assert values_of(after, tmp_path) == expected | {"gain": 4.0}
+    events = [(raw, ros) for raw, ros in decoded(tmp_path / "bag", "/parameter_events") if ros.node == "/ship/worker"]
+    ((changed, change),) = [(raw, ros) for raw, ros in events if ros.changed_parameters]
+    assert [(one.name, one.value.double_value) for one in change.changed_parameters] == [("gain", 2.5)]
+    # Times tell what came first.
+    assert before.log_time < changed.publish_time < after.log_time
+    assert before.create_time == before.log_time
+    # The recorder's own are there as well, and nobody's who is hidden.
+    own = attached(path, "parameters/recorder.yaml")
+    assert len(own) == 1
+    assert b"compression: zstd" in own[0].data
+    assert not [one for one in records_so_far(path) if isinstance(one, Attachment) and "/_" in one.name]
+
+
+# Killed --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("compression", ["zstd", "none"])
+def test_a_recorder_that_is_killed_loses_less_than_a_second(node: Node, tmp_path: Path, compression: str) -> None:
+    path = tmp_path / "bag" / "bag_0.mcap"
+    publisher = node.create_publisher(Odometry, "odometry", RING)
+    recording = Recording(tmp_path / "bag", f"compression:={compression}", "vessel:=cybership3")
+    until_heard(publisher)
+    sent: list[int] = []  # wall-clock times, ns
+
+    def publish(_: float) -> None:
+        sent.append(time.time_ns())
+        publisher.publish(odometry(len(sent) - 1))
+        time.sleep(0.0005)  # as fast as a ring in lockstep, not as fast as it goes
+
+    wait_until(lambda: sent and sent[-1] - sent[0] > 2_500_000_000, spin=publish)
+    recording.process.kill()
+    killed = time.time_ns()
+    recording.process.wait(timeout=20.0)
+    assert not (tmp_path / "bag" / "metadata.yaml").exists()
+
+    records = records_so_far(path)
+    numbers = {one.id for one in records if isinstance(one, Channel) and one.topic == "/odometry"}
+    found = [one for one in records if isinstance(one, Message) and one.channel_id in numbers]
+    # Nothing is missing before the end, and the end is less than a second before the kill.
+    assert [one.data for one in found] == [bytes(serialize_message(odometry(k))) for k in range(len(found))]
+    assert len(found) < len(sent)
+    assert killed - sent[len(found)] < 1_000_000_000
+    assert attached(path, "vessel.yaml")
+
+
+# dp record -----------------------------------------------------------------------------------------------------------
+
+
+def test_dp_record_takes_what_is_asked_for_and_splits(node: Node, tmp_path: Path) -> None:
+    folder = tmp_path / "bag"
+    wanted, other, unwanted = (node.create_publisher(Odometry, name, RING) for name in ("a", "/x/odo", "/x/odo_raw"))
+    words = ("a", "--regex", "odo", "--exclude", "raw$", "--max-size", "0.03", "--compression", "lz4")
+    with DpProcess("record", *words, "--output", folder) as process:
+        process.wait_until(lambda: wanted.get_subscription_count() and other.get_subscription_count(), "recording")
+        for k in range(1500):
+            wanted.publish(odometry(k))
+            if k % 300 == 0:
+                acknowledged(wanted)  # no more than what a publisher keeps
+        acknowledged(wanted)
+        other.publish(odometry(7))
+        acknowledged(other)
+        assert unwanted.get_subscription_count() == 0
+        process.signal(signal.SIGINT)
+        assert process.wait() == 0
+        output = process.output
+    files = information(folder)["relative_file_paths"]
+    assert len(files) > 1
+    assert f"recording to {folder}/bag_0.mcap" in output
+    assert re.search(rf"recorded \d+ messages on \d topics, \d\.\d MB in {len(files)} files, lost 0", output)
+    for name in files:
+        with (folder / name).open("rb") as file:
+            reader = make_reader(file)
+            summary = reader.get_summary()
+            assert {index.compression for index in summary.chunk_indexes} == {"lz4"}
+            assert "parameters/recorder.yaml" in [one.name for one in reader.iter_attachments()]
+    with AnyReader([folder]) as reader:
+        assert {c.topic for c in reader.connections} == {"/a", "/x/odo", "/parameter_events"}
+        connections = [c for c in reader.connections if c.topic == "/a"]
+        found = [reader.deserialize(raw, c.msgtype).header.stamp.sec for c, _, raw in reader.messages(connections)]
+    assert found == list(range(1500))
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--regex", "["), "regex: expected a regular expression, found '['"),
+        (("--vessel", "titanic"), "expected a path or one of cybership3"),
+        (("--namespace", "1ship"), "namespace"),
+        (("--max-size", "2000000"), "parameter max_size"),
+    ],
+)
+def test_what_dp_record_refuses(
+    ros_domain_id: int,
+    dp_here: Dp,
+    tmp_path: Path,
+    words: tuple[str, ...],
+    message: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(signal, "signal", lambda number, handler: None)  # this process keeps its own
+    code, output = dp_here("record", *words, "--output", tmp_path / "bag")
+    assert code == 1
+    assert message in output
+    assert len(output.splitlines()) == 1
+    assert not (tmp_path / "bag").exists()

@@ -130,7 +130,8 @@ def test_drivers_begin_anew_with_the_source_of_their_feedback(ros_domain_id: int
         assert not any(setpoints[-1].torque), "no command is known any more"
         said = bench.diagnostics()
         assert (
-            "thruster_feedback: its source began anew: time stamps jumped from 100.010 s to 0.020 s" in said["message"]
+            "thruster_feedback: its source began anew: time stamps jumped from 100.010 s to 0.020 s"
+            in said["alarm.NODE-SOURCE-RESTARTED"]
         )
         assert said["refused_inputs"] == str(1 + BELIEVED - 1)
         assert said["status"] == "no_command"

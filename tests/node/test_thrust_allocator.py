@@ -14,11 +14,14 @@ import pytest
 from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback, Ventilation
 from geometry_msgs.msg import WrenchStamped
 from rcl_interfaces.msg import ParameterType
+from rclpy.lifecycle import TransitionCallbackReturn
 
 from dp_node import from_nanoseconds, to_nanoseconds
 from marine_model import load_vessel
 from marine_model.errors import InputError
+from marine_model.frames import wrap_angles
 from marine_model.settings import parameters_of, with_parameters
+from marine_model.thruster_configuration import generalized_force
 from support.node_bench import NodeBench, node_bench
 from thrust_allocator import AllocationResult, Allocator, AllocatorSettings
 from thrust_allocator.node import AllocatorNode
@@ -255,18 +258,99 @@ def test_initial_azimuth_from_feedback(start: Any) -> None:
     np.testing.assert_array_equal(command.thrust, result.thrust)
 
 
-def test_activated_again_it_starts_without_thrust_where_the_thrusters_point(start: Any) -> None:
+def test_activated_again_it_goes_on_from_its_last_command(start: Any) -> None:
     bench = start(azimuth_mode="rotating")
     for k in range(10):
         command, _, _ = bench.ask(START + k * STEP)
     node = bench.bench.node
-    node.trigger_deactivate()
-    node.trigger_activate()
-    expected = Allocator(VESSEL, AllocatorSettings(azimuth_mode="rotating"), azimuth=command.azimuth)
+    for transition in (node.trigger_deactivate, node.trigger_cleanup, node.trigger_configure, node.trigger_activate):
+        assert transition() is TransitionCallbackReturn.SUCCESS
+    settings = AllocatorSettings(azimuth_mode="rotating")
+    expected = Allocator(VESSEL, settings, thrust=command.thrust, azimuth=command.azimuth)
     again, _, _ = bench.ask(START)  # a new time line
     result = expected.step(TAU, 0.2)
     np.testing.assert_array_equal(again.thrust, result.thrust)
     np.testing.assert_allclose(again.azimuth, result.azimuth, atol=1e-15)
+
+
+def assert_within_limits(before: Any, after: Any) -> None:
+    """No thruster is asked for a step beyond its rates."""
+    dt = (to_nanoseconds(after.header.stamp) - to_nanoseconds(before.header.stamp)) * 1e-9
+    # What is left is rounding in sums and angles.
+    assert (np.abs(np.subtract(after.thrust, before.thrust)) <= VESSEL.thrust_rate * dt + 1e-9).all()
+    turn = np.abs(wrap_angles(np.subtract(after.azimuth, before.azimuth)))
+    assert (turn <= VESSEL.azimuth_rate * dt + 1e-9).all()
+
+
+def test_deactivated_it_ramps_thrust_to_zero_says_what_is_left_and_comes_back_within_limits(start: Any) -> None:
+    bench = start(azimuth_mode="rotating")
+    node, stamp = bench.bench.node, START
+    hard = (18.0, 2.0, 1.0)  # N, N, N m: takes some samples to give up
+    for _ in range(40):
+        before, _, _ = bench.ask(stamp := stamp + STEP, hard)
+    steady = before
+    assert np.abs(steady.thrust).max() > 1.0
+    node.trigger_deactivate()
+    # The slowest thruster gives its all up in a second.
+    for k in range(8):
+        command, achieved, status = bench.ask(stamp := stamp + STEP, hard)
+        assert_within_limits(before, command)
+        np.testing.assert_array_equal(command.azimuth, steady.azimuth)
+        wrench = achieved.wrench
+        np.testing.assert_allclose(
+            (wrench.force.x, wrench.force.y, wrench.torque.z),
+            generalized_force(VESSEL.lever_x, VESSEL.lever_y, np.array(command.thrust), np.array(command.azimuth)),
+            atol=1e-9,
+        )
+        assert status.status == "deactivated"
+        before = command
+        if k == 1:  # in the middle of the ramp: there and back
+            assert np.abs(command.thrust).max() > 0.1
+            node.trigger_activate()
+            before, _, status = bench.ask(stamp := stamp + STEP, hard)
+            assert_within_limits(command, before)
+            assert status.status == "optimal"
+            steady = before
+            node.trigger_deactivate()
+    np.testing.assert_array_equal(before.thrust, np.zeros(4))
+    health = bench.bench.diagnostics()
+    assert health["alarm.NODE-NOT-ACTIVE"].endswith("inactive")
+    assert health["ignored_inputs"] == "0"
+    # Parameters that change meanwhile hold from the activation on.
+    assert bench.bench.set_parameters(thruster_enabled=[True, True, False, True]).successful
+    assert bench.ask(stamp := stamp + STEP, hard)[2].status == "deactivated"
+    before = bench.commands[-1]
+    node.trigger_activate()
+    for _ in range(20):
+        command, _, _ = bench.ask(stamp := stamp + STEP, hard)
+        assert_within_limits(before, command)
+        before = command
+    assert command.thrust[2] == 0.0
+    assert np.abs(command.thrust).max() > 1.0
+
+
+def test_an_allocator_that_was_never_active_says_nothing() -> None:
+    with node_bench(AllocatorNode, autostart=False) as bare:
+        bare.node.trigger_configure()
+        bench = Bench(bare)
+        bench.send(START)
+        bare.wait_until(lambda: bare.node.ignored == 1, "the demand to be ignored")
+        assert bench.commands == []
+
+
+def test_thrust_that_the_drivers_have_ramped_to_zero_comes_back_from_there(start: Any) -> None:
+    """As when the controller was away for a while."""
+    bench = start(azimuth_mode="fixed")
+    stamp = START
+    for _ in range(40):
+        before, _, _ = bench.ask(stamp := stamp + STEP)
+    timeout = VESSEL.drivers.command_timeout
+    stamp += round((timeout + 60.0) * 1e9)
+    for _ in range(2):
+        bench.send(stamp := stamp + STEP, (0.0, 0.0, 0.0))  # a jump is believed at the third stamp
+    command, _, _ = bench.ask(stamp + STEP, (0.0, 0.0, 0.0))
+    assert np.abs(before.thrust).max() > 1.0
+    np.testing.assert_allclose(command.thrust, np.zeros(4), atol=1e-9)
 
 
 # One group of parameters after the other: changes at demand 2, and at demand 4 where there are two.

@@ -480,7 +480,7 @@ def test_real_time_goes_on_without_drivers_and_never_too_fast(graph: Callable[..
 
 
 def test_real_time_uses_the_newest_set_point_and_keeps_it(graph: Callable[..., Graph]) -> None:
-    one = graph(rate=10.0)
+    one = graph(rate=10.0, setpoint_timeout=0.0)
     drivers = one.drivers
     drivers.answering = False
     one.wait(lambda: drivers.feedback, "feedback")
@@ -495,6 +495,32 @@ def test_real_time_uses_the_newest_set_point_and_keeps_it(graph: Callable[..., G
     heard = len(drivers.feedback)
     one.wait(lambda: len(drivers.feedback) > heard + 5, "time goes on")
     assert drivers.feedback[-1].torque[2] == 0.05
+
+
+def test_drives_that_get_no_set_point_let_go_until_one_comes(graph: Callable[..., Graph]) -> None:
+    one = graph(rate=5.0, setpoint_timeout=0.5)
+    drivers = one.drivers
+    drivers.answering = False
+    one.wait(lambda: drivers.feedback, "feedback")
+    for times in (1, 2):
+        before = len(drivers.feedback)
+        drivers.answer(0, torque=[0.0, 0.0, 0.05, 0.0], azimuth_rate=[0.0, 0.0, 0.2, 0.0])
+        one.wait(lambda: drivers.feedback[-1].torque[2] == 0.05, "the torque is delivered")
+        one.wait(lambda: drivers.feedback[-1].torque[2] == 0.0, "the drives to let go")
+        held = [message.torque[2] for message in drivers.feedback[before:]].count(0.05) * 0.02
+        # Whole steps of 0.02 s: the last begins half a second after the set point came.
+        assert held == pytest.approx(0.52, abs=1e-9)
+        one.wait(lambda: abs(drivers.feedback[-1].azimuth_rate[2]) < 0.02, "the azimuth motor to come to rest")
+        assert one.sim.health().values["drives_cut"] == times
+
+
+def test_a_simulator_that_is_started_again_goes_on_in_time_at_the_next_sample(graph: Callable[..., Graph]) -> None:
+    one = graph(**LOCKSTEP, **{"start_time": 123.45, "initial.north": 2.0, "sensor_noise": False})
+    assert one.advance(123.9).success
+    seen = stamps(one.drivers.poses)
+    assert seen[:2] == [123_600_000_000, 123_800_000_000]
+    assert one.drivers.poses[0].pose.pose.position.x == pytest.approx(2.0, abs=1e-12)
+    assert stamps(one.drivers.feedback)[0] == 123_600_000_000
 
 
 def test_real_time_that_cannot_be_kept_says_so_and_still_listens(graph: Callable[..., Graph]) -> None:

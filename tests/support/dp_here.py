@@ -11,16 +11,19 @@ from rich.console import Console
 
 from dp_tools.cli import main
 from dp_tools.commands import (
+    bag,
     design,
     detection,
     open_water,
     parameters,
     propeller,
+    record,
     replay,
     report,
     root,
     run_scenarios,
     scenarios,
+    status,
     topics,
     up,
     vessels,
@@ -28,16 +31,19 @@ from dp_tools.commands import (
 
 Dp = Callable[..., tuple[int, str]]
 _MODULES = (
+    bag,
     design,
     detection,
     open_water,
     parameters,
     propeller,
+    record,
     replay,
     report,
     root,
     run_scenarios,
     scenarios,
+    status,
     topics,
     up,
     vessels,

@@ -9,15 +9,21 @@ from typing import Any
 
 from rclpy.serialization import serialize_message
 
+import dp_node
+from dp_node import RING, RING_PUBLISHER
 from dp_tools.recorder.bag_metadata import TopicInfo
 from dp_tools.recorder.bag_writer import BagWriter
+from dp_tools.recorder.quality import describe_quality
 from dp_tools.recorder.schemas import full_definition
 
 START = 1_700_000_000_000_000_000  # ns since 1970
 STRING = "std_msgs/msg/String"
 CLOCK = "rosgraph_msgs/msg/Clock"
-RELIABLE: dict[str, Any] = {"history": "unknown", "depth": 0, "reliability": "reliable", "durability": "volatile"}
-LATCHED: dict[str, Any] = {**RELIABLE, "history": "keep_last", "depth": 1, "durability": "transient_local"}
+# Publishers do not tell their history to others.
+_UNTOLD: dict[str, Any] = {"history": "unknown", "depth": 0}
+RELIABLE = {**describe_quality(RING), **_UNTOLD}
+RING_TOLD = {**describe_quality(RING_PUBLISHER), **_UNTOLD}
+LATCHED = describe_quality(dp_node.LATCHED)
 
 Message = tuple[str, float, Any]
 

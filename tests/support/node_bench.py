@@ -55,19 +55,20 @@ class NodeBench:
     def set_parameters(self, **values: Any) -> SetParametersResult:
         """Set parameters together through the node's service; two underscores stand for the dot of a group."""
         request = SetParametersAtomically.Request(parameters=_messages(values))
-        return self._call(SetParametersAtomically, "set_parameters_atomically", request).result
+        return self.call(SetParametersAtomically, "set_parameters_atomically", request).result
 
     def set_one_by_one(self, **values: Any) -> list[SetParametersResult]:
         """Set parameters through the service that judges each for itself."""
         request = SetParameters.Request(parameters=_messages(values))
-        return list(self._call(SetParameters, "set_parameters", request).results)
+        return list(self.call(SetParameters, "set_parameters", request).results)
 
     def describe_parameters(self, names: list[str]) -> list[ParameterDescriptor]:
         """Return what the node says of its parameters."""
         request = DescribeParameters.Request(names=names)
-        return list(self._call(DescribeParameters, "describe_parameters", request).descriptors)
+        return list(self.call(DescribeParameters, "describe_parameters", request).descriptors)
 
-    def _call(self, kind: Any, service: str, request: Any) -> Any:
+    def call(self, kind: Any, service: str, request: Any) -> Any:
+        """Call a service of the node and return its answer."""
         client = self.probe.create_client(kind, f"{self.node.get_name()}/{service}")
         self.wait_until(client.service_is_ready, f"the service {service}")
         future = client.call_async(request)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import signal
 from collections.abc import Iterator
@@ -65,6 +66,33 @@ def newest(one: Operator, kind: Any, topic: str, wanted: Any) -> Any:
     one.wait_until(lambda: any(wanted(message) for message in heard), 20.0, f"such a message on {topic}")
     one.node.destroy_subscription(subscription)
     return next(message for message in heard if wanted(message))
+
+
+def test_the_whole_graph_on_one_screen_and_as_json(dp_here: Dp, graph: DpProcess) -> None:
+    code, output = dp_here("status", "--json")
+    assert code == 0, output
+    told = json.loads(output)
+    assert (told["vessel_name"], told["vessel"]["mode"]) == ("cybership3", "setpoint")
+    assert told["vessel"]["position"] == pytest.approx([0.0, 0.0, 0.0], abs=0.5)  # nothing pushes
+    assert told["simulated_time"] > 0.0
+    assert told["margins"]["status"] == "optimal"
+    assert [row["name"] for row in told["thrusters"]] == list(load_vessel("cybership3").thruster_names)
+    assert all(row["thrust"] is not None and row["shaft_speed"] is not None for row in told["thrusters"])
+    nodes = {node["name"]: node for node in told["nodes"]}
+    assert {*NODES, "recorder"} <= set(nodes)
+    assert all(nodes[name]["state"] == "active" for name in NODES)
+    # In real time a sample comes every 0.2 s; a busy machine may be slow, and a stopped graph has no rate at all.
+    assert all(nodes[name]["rate"] > 1.0 for name in NODES)
+    code, output = dp_here("status", "--once")
+    assert code == 0, output
+    assert "cybership3" in output.splitlines()[0]
+    assert "recording" in output.splitlines()[0]
+    assert all(name in output for name in (*NODES, "Margins", "azimuth_starboard"))
+
+
+def test_a_screen_of_a_namespace_without_a_graph_is_a_line_that_says_where_there_is_one(dp_here: Dp) -> None:
+    code, output = dp_here("status", "--once", "--namespace", "nowhere")
+    assert (code, output.strip()) == (1, "error: no graph in namespace /nowhere; there are nodes in /")
 
 
 def test_the_graph_without_scenario_is_that_of_the_launch_file(dp_here: Dp) -> None:

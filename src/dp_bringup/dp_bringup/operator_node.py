@@ -49,6 +49,20 @@ class Operator:
         self.watch = watch
         self.executor = RingExecutor(context=node.context)
         self.executor.add_node(node)
+        self._others: list[Node] = []
+
+    def make_node(self, name: str) -> Node:
+        """Return another node in the same namespace, spun and closed together with this one."""
+        node = rclpy.create_node(name, context=self.node.context, namespace=self.node.get_namespace())
+        self._others.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def close(self) -> None:
+        """Give everything back."""
+        self.executor.shutdown()
+        for node in (*self._others, self.node):
+            node.destroy_node()
 
     def wait_until(self, condition: Callable[[], bool], seconds: float | None, what: str) -> None:
         """Spin until ``condition`` holds.
@@ -106,6 +120,16 @@ class Operator:
                 client.remove_pending_request(future)
 
 
+def full_namespace(namespace: str) -> str:
+    """Return a namespace with its leading slash. Raises NamespaceError."""
+    full = f"/{namespace.strip('/')}"
+    try:
+        validate_namespace(full)
+    except InvalidNamespaceException as error:
+        raise NamespaceError(f"namespace: expected one such as 'ship' or 'fleet/ship', found '{namespace}'") from error
+    return full
+
+
 @contextmanager
 def operator(namespace: str = "", name: str = "") -> Iterator[Operator]:
     """Make an operator node, named after this process unless it has a name, and close it in the end.
@@ -116,11 +140,7 @@ def operator(namespace: str = "", name: str = "") -> Iterator[Operator]:
         If the namespace is none.
     """
     # Ctrl-C stays Python's KeyboardInterrupt, so that children can be stopped in order.
-    full = f"/{namespace.strip('/')}"
-    try:
-        validate_namespace(full)
-    except InvalidNamespaceException as error:
-        raise NamespaceError(f"namespace: expected one such as 'ship' or 'fleet/ship', found '{namespace}'") from error
+    full = full_namespace(namespace)
     context = Context()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node(name or f"dp_operator_{os.getpid()}", context=context, namespace=full)
@@ -128,6 +148,5 @@ def operator(namespace: str = "", name: str = "") -> Iterator[Operator]:
     try:
         yield one
     finally:
-        one.executor.shutdown()
-        node.destroy_node()
+        one.close()
         rclpy.try_shutdown(context=context)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import array
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -130,6 +131,12 @@ class _Dumper(yaml.SafeDumper):
 
 
 _Dumper.add_representer(str, _Dumper.represent_text)
+
+
+def yaml_value(value: Any) -> str:
+    """Return a value of a parameter as it stands in a parameter file, on one line."""
+    text: str = yaml.dump(value, Dumper=_Dumper, default_flow_style=True, width=sys.maxsize)
+    return text.removesuffix("\n").removesuffix("...").strip()
 
 
 def to_parameter_file(values: Mapping[str, Mapping[str, Any]]) -> str:

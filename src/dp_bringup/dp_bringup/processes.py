@@ -36,6 +36,8 @@ class Child:
         For its output.
     heard
         Called with every line of its output, in a thread of its own.
+    again
+        True to go on in a log that is there.
     """
 
     def __init__(
@@ -44,6 +46,7 @@ class Child:
         command: Sequence[str | Path],
         log_file: Path,
         heard: Callable[[str], None] = lambda line: None,
+        again: bool = False,
     ) -> None:
         self.name = name
         self._heard = heard
@@ -61,7 +64,7 @@ class Child:
             env=os.environ | {PARENT_VARIABLE: str(os.getpid()), "PYTHONUNBUFFERED": "1"},
         )
         self.log_file = log_file
-        self._log = log_file.open("w", encoding="utf-8")
+        self._log = log_file.open("a" if again else "w", encoding="utf-8")
         stream = self._process.stdout
         if stream is None:
             raise ChildDiedError(f"{name}: no output pipe")
@@ -137,10 +140,24 @@ class Children:
         log_folder.mkdir(parents=True, exist_ok=True)
 
     def start(
-        self, name: str, command: Sequence[str | Path], heard: Callable[[str], None] = lambda line: None
+        self,
+        name: str,
+        command: Sequence[str | Path],
+        heard: Callable[[str], None] = lambda line: None,
+        again: bool = False,
     ) -> Child:
-        """Start a process; ``heard`` is called with every line of its output, in a thread."""
-        child = Child(name, command, self._folder / f"{name}.log", heard)
+        """Start a process.
+
+        Parameters
+        ----------
+        name, command
+            See :class:`Child`.
+        heard
+            Called with every line of its output, in a thread.
+        again
+            True to go on in the log of one of the same name.
+        """
+        child = Child(name, command, self._folder / f"{name}.log", heard, again)
         self._children.append(child)
         return child
 

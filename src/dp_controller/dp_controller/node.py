@@ -52,6 +52,7 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._stamps = StampSequence("odometry", self.vessel.measurement.sample_time)
         self._operator_stamps: dict[str, int] = {}
         self._acted: int | None = None
+        self._began: int | None = None  # stamp of the first estimate
         self._achieved: tuple[int | None, FloatArray] = (None, _NOTHING)
         self._early_path: Any = None
         self._output: ControllerOutput | None = None
@@ -167,6 +168,10 @@ class ControllerNode(RingNode[ControllerSettings]):
         if self._acted is not None and answered != self._acted:
             self._tally.unanswered += 1
         tau_achieved = achieved if answered == self._acted else None
+        if self._began is None:
+            self._began = stamp
+        if stamp - (self._began if answered is None else answered) > self.vessel.drivers.command_timeout * 1e9:
+            tau_achieved = _NOTHING  # no allocator for so long: the drivers have stopped the thrusters
         # The newest up to the estimate's own stamp; what has been used grows old in the core.
         wind = self._wind.take(stamp + 1)
         measured = None if wind is None else wind[1]

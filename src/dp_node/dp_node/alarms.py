@@ -211,7 +211,7 @@ ALARMS = _table(
     _warn(
         "ALLOCATOR-DEMAND-NOT-FINITE",
         "demand_not_finite",
-        "See what the controller publishes; thrust is ramped as this status says.",
+        "See who publishes tau_desired; the last good demand stands.",
     ),
     _error("ALLOCATOR-NO-THRUSTER", "no_thruster", "Enable a thruster, or take other means to hold the vessel."),
     _error(
@@ -272,7 +272,7 @@ ALARMS = _table(
     _warn(
         "ALLOCATOR-GAIN-LOW",
         "minimum gain below the limit",
-        "Set singularity.method or raise its limit; a force in the weakest direction is slow to come.",
+        "Expect a force in the weakest direction to come slowly; enable thrusters, or ask for less at once.",
     ),
     _warn(
         "ALLOCATOR-SINGULAR",
@@ -282,7 +282,7 @@ ALARMS = _table(
     _warn(
         "ALLOCATOR-AVOIDANCE-LOCKED",
         "singularity avoidance is locked",
-        "Set singularity.release on, or change azimuth_mode for a while.",
+        "Switch singularity.release on, or change azimuth_mode for a while.",
     ),
     # Drivers
     _warn("DRIVERS-NO-COMMAND", "no thruster_command yet: no thrust", "See whether the allocator runs."),

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rcl_interfaces.msg import ParameterDescriptor, ParameterType
+from rcl_interfaces.msg import ParameterDescriptor, ParameterType, SetParametersResult
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
@@ -19,6 +20,7 @@ from dp_node.health import Health, to_status
 from dp_node.parameters import SettingsParameters
 from dp_node.quality import Promise, offered, requested
 from dp_node.quality_events import QualityEvents
+from dp_node.services import guard_services
 from dp_node.stamps import SourceRestartError
 from marine_model import Vessel, load_vessel
 from marine_model.errors import InputError
@@ -50,6 +52,7 @@ class DpNode(LifecycleNode, Generic[S]):
 
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
+        guard_services(self)
         self.vessel: Vessel = load_vessel(self.structural("vessel", "cybership3", "Name or path of the vessel file"))
         self.autostart: bool = self.structural("autostart", True, "Configure and activate without being told to")
         self._promise = Promise(
@@ -123,6 +126,11 @@ class DpNode(LifecycleNode, Generic[S]):
         """True between activation and deactivation."""
         return self._active
 
+    @property
+    def acts(self) -> bool:
+        """Whether messages are acted on: while the node is active."""
+        return self._active
+
     def structural(self, name: str, default: Any, description: str) -> Any:
         """Declare a read-only parameter and return its value."""
         kinds = {
@@ -133,15 +141,16 @@ class DpNode(LifecycleNode, Generic[S]):
         descriptor = ParameterDescriptor(name=name, type=kinds[type(default)], description=description, read_only=True)
         return self.declare_parameter(name, default, descriptor).value
 
-    def publish_on(self, kind: Any, topic: str) -> Publisher:
-        """Return a publisher that is silent while the node is not active."""
+    def publish_on(self, kind: Any, topic: str, *, when_inactive: bool = False) -> Publisher:
+        """Return a publisher that is silent while the node is not active, unless ``when_inactive`` is true."""
         made: Publisher
 
         def misfits() -> int:
             return int(self.count_subscribers(topic) - made.get_subscription_count())
 
         events = self._quality_events.publisher(topic, misfits)
-        made = self.create_lifecycle_publisher(kind, topic, offered(topic, self._promise), event_callbacks=events)
+        make = self.create_publisher if when_inactive else self.create_lifecycle_publisher
+        made = make(kind, topic, offered(topic, self._promise), event_callbacks=events)
         return made
 
     @property
@@ -162,7 +171,7 @@ class DpNode(LifecycleNode, Generic[S]):
             return int(self.count_publishers(topic) - made.get_publisher_count())
 
         def guarded(message: Any) -> None:
-            if not self._active:
+            if not self.acts:
                 self.ignored += 1
                 return
             try:
@@ -201,12 +210,21 @@ class DpNode(LifecycleNode, Generic[S]):
         self._began_anew = reason
         self.get_logger().warning(f"{reason}; this node begins anew as well")
         self.started()
+        if not self._active:
+            self.stopped()  # one that acts while it is inactive stays so
 
     def refuse(self, reason: str) -> None:
         """Count and report an input that was refused."""
         self._refused += 1
         self._last_refusal = reason
         self.get_logger().warning(f"refused: {reason}", throttle_duration_sec=1.0)
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """Set all parameters or none; one that nobody declared is refused by its name."""
+        unknown = sorted({one.name for one in parameter_list if not self.has_parameter(one.name)})
+        if unknown:
+            return SetParametersResult(successful=False, reason=f"no parameter {', '.join(map(repr, unknown))}")
+        return super().set_parameters_atomically(parameter_list)
 
     # Life cycle -----------------------------------------------------------------------------------------------------
 

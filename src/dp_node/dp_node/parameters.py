@@ -104,7 +104,7 @@ class SettingsParameters(Generic[S]):
 
 def describe(model: type[Settings], name: str) -> ParameterDescriptor:
     """Return the descriptor of parameter ``name`` (dots for groups): type, text with unit, range."""
-    field = _field(model, name)
+    field = parameter_field(model, name)
     extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
     unit = str(extra.get("unit") or "")
     text = f"{field.description} [{unit}]" if unit not in ("", "1") else str(field.description)
@@ -112,8 +112,7 @@ def describe(model: type[Settings], name: str) -> ParameterDescriptor:
     if choices:
         text += f" (one of: {', '.join(choices)})"
     descriptor = ParameterDescriptor(name=name, type=kind, description=text, read_only=bool(extra.get("read_only")))
-    low = next((m.ge for m in field.metadata if hasattr(m, "ge")), None)
-    high = next((m.le for m in field.metadata if hasattr(m, "le")), None)
+    low, high = limits(field)
     if low is None and high is None:
         return descriptor
     if kind == ParameterType.PARAMETER_INTEGER:
@@ -124,7 +123,8 @@ def describe(model: type[Settings], name: str) -> ParameterDescriptor:
                 step=0,
             )
         ]
-    elif kind == ParameterType.PARAMETER_DOUBLE:
+    elif kind in (ParameterType.PARAMETER_DOUBLE, ParameterType.PARAMETER_DOUBLE_ARRAY):
+        # Of an array, ROS only shows the range, of every element; the settings judge by it.
         largest = sys.float_info.max
         descriptor.floating_point_range = [
             FloatingPointRange(
@@ -136,7 +136,24 @@ def describe(model: type[Settings], name: str) -> ParameterDescriptor:
     return descriptor
 
 
-def _field(model: type[Settings], name: str) -> FieldInfo:
+def limits(field: FieldInfo) -> tuple[float | None, float | None]:
+    """Return the range of a setting, or of every element of one that is an array; None where it has no end."""
+    metadata = [*field.metadata, *_element_metadata(field.annotation)]
+    low = next((m.ge if hasattr(m, "ge") else m.gt for m in metadata if hasattr(m, "ge") or hasattr(m, "gt")), None)
+    high = next((m.le for m in metadata if hasattr(m, "le")), None)
+    return low, high
+
+
+def _element_metadata(annotation: Any) -> list[Any]:
+    origin = typing.get_origin(annotation)
+    if origin is typing.Annotated:
+        inner, *extra = typing.get_args(annotation)
+        return [m for item in extra for m in getattr(item, "metadata", [item])] + _element_metadata(inner)
+    return _element_metadata(typing.get_args(annotation)[0]) if origin is tuple else []
+
+
+def parameter_field(model: type[Settings], name: str) -> FieldInfo:
+    """Return the field that declares parameter ``name`` (dots for groups)."""
     head, _, rest = name.partition(".")
     field = model.model_fields[head]
     if not rest:
@@ -144,7 +161,7 @@ def _field(model: type[Settings], name: str) -> FieldInfo:
     group = field.annotation
     if not (isinstance(group, type) and issubclass(group, Settings)):
         raise TypeError(f"{model.__name__}.{head}: expected a group of settings, found {group}")
-    return _field(group, rest)
+    return parameter_field(group, rest)
 
 
 def _type(annotation: Any) -> tuple[int, tuple[str, ...]]:

@@ -257,14 +257,24 @@ def read_bag(path: Path, vessel: str = "") -> RecordedRun:
     DpError
         If the vessel or scenario in it is not valid.
     """
+    found = bag_files(path)
+    if found.metadata is None and len({_of_one_bag(file) for file in found.files}) > 1:
+        names = ", ".join(file.name for file in found.files)
+        raise BagError(f"{path}: expected the files of one bag, found {names}; name one of them")
     parts = []
-    for file in bag_files(path).files:
+    for file in found.files:
         try:
             with file.open("rb") as stream:
                 parts.append(_read_part(stream, file))
         except (OSError, McapError) as error:
             raise BagError(f"{file}: cannot be read: {error}") from error
     return _read(parts, path, vessel)
+
+
+def _of_one_bag(file: Path) -> str:
+    """Return what the files of one bag have in common: the name without the number."""
+    name, _, number = file.stem.rpartition("_")
+    return name if number.isdigit() else file.stem
 
 
 @dataclass

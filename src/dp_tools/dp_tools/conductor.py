@@ -13,6 +13,8 @@ from nav_msgs.msg import Path as PathMessage
 from dp_bringup.graph_nodes import START_SECONDS
 from dp_bringup.operator_node import Operator
 from dp_bringup.parameter_service import RemoteParameters
+from dp_bringup.supervisor import Supervisor
+from dp_bringup.workspace import SIMULATOR_PACKAGE
 from dp_node import RING_PUBLISHER, from_nanoseconds, to_nanoseconds
 from dp_tools.clock_reader import ClockReader
 from dp_tools.scenario import Event, Scenario
@@ -35,9 +37,13 @@ class Conductor:
         Node to act through.
     scenario
         What to play.
+    supervisor
+        Who looks after the nodes. What an event asks waits until all are up, and a simulator that was started again
+        is told anew how far to sail. None: nobody, a node that dies ends the run.
     """
 
-    def __init__(self, operator: Operator, scenario: Scenario) -> None:
+    def __init__(self, operator: Operator, scenario: Scenario, supervisor: Supervisor | None = None) -> None:
+        self._supervisor = supervisor
         self._operator = operator
         self._scenario = scenario
         node = operator.node
@@ -69,26 +75,47 @@ class Conductor:
     def _play(self, clock: ClockReader, progress: Callable[[float], None]) -> None:
         for event in sorted(self._scenario.events, key=lambda event: event.at):
             self._sail_until(event.at, clock, progress)
+            self._wait_for_nodes()
             self._perform(event)
         self._sail_until(self._scenario.duration, clock, progress)
 
     def _sail_until(self, until: float, clock: ClockReader, progress: Callable[[float], None]) -> None:
         if until <= self._reached:
             return  # several events at one time
-        request = Advance.Request(until=float(until))
-        client = self._advance
-        self._operator.wait_until(client.service_is_ready, START_SECONDS, "service vessel_sim/advance")
-        future = client.call_async(request)
+        while not self._advance_to(until, clock, progress):
+            pass  # by a simulator that has not been told yet
+        self._reached = until
+
+    def _advance_to(self, until: float, clock: ClockReader, progress: Callable[[float], None]) -> bool:
+        """Sail on; return False if the simulator was started again meanwhile, with time left to sail."""
+        client, operator = self._advance, self._operator
+        self._wait_for_nodes()
+        starts = self._simulator_starts()
+        operator.wait_until(client.service_is_ready, START_SECONDS, "service vessel_sim/advance")
+        future = client.call_async(Advance.Request(until=float(until)))
 
         def done() -> bool:
             progress(clock.time())
-            return bool(future.done())
+            return bool(future.done()) or self._simulator_starts() > starts
 
-        self._operator.wait_until(done, None, "the simulator")
+        operator.wait_until(done, None, "the simulator")
+        if not future.done():
+            client.remove_pending_request(future)
+            return False
         answer = future.result()
-        if not answer.success:
+        # Time went on while the simulator was away, and may have gone past.
+        passed = starts > 0 and answer.reached >= until
+        if not (answer.success or passed):
             raise ConductorError(f"at {clock.time():.1f} s: vessel_sim: {answer.message}")
-        self._reached = until
+        return True
+
+    def _wait_for_nodes(self) -> None:
+        supervisor = self._supervisor
+        if supervisor is not None:
+            self._operator.wait_until(lambda: supervisor.all_up, None, "the nodes to be up")
+
+    def _simulator_starts(self) -> int:
+        return 0 if self._supervisor is None else self._supervisor.restarts(SIMULATOR_PACKAGE)
 
     def _perform(self, event: Event) -> None:
         for node, values in event.parameters.items():

@@ -15,6 +15,7 @@ from dp_bringup.interrupts import Interrupts
 from dp_bringup.operator_node import Operator, operator
 from dp_bringup.parameter_service import read_parameter_file
 from dp_bringup.processes import Child, Children
+from dp_bringup.supervisor import SUPERVISOR, Rules, Supervisor, plan_units
 from dp_bringup.workspace import executable, share
 from dp_tools.conductor import Conductor
 from dp_tools.recorder import RECORDER_EARS
@@ -30,8 +31,28 @@ class GraphRunningError(DpError):
     """A graph runs already where this one was to start."""
 
 
+class GivenUpError(DpError):
+    """A process died again and again; the message names it."""
+
+
 class UncleanStopError(DpError):
     """The run went through, but a process did not end cleanly; the message says which."""
+
+
+@dataclass(frozen=True)
+class Supervision:
+    """That processes which die are started again, and who is told.
+
+    Parameters
+    ----------
+    tell
+        Told what happens, one line each.
+    rules
+        Patience.
+    """
+
+    tell: Callable[[str], None]
+    rules: Rules
 
 
 @dataclass(frozen=True)
@@ -58,6 +79,9 @@ class GraphRun:
         True to replace a recording that is there.
     compression
         Of the recording: zstd, lz4 or none.
+    supervision
+        None stops the run with the reason if a process dies. A run in lockstep always does: with a process that was
+        started in the middle of it, it is not repeatable.
     """
 
     folder: RunFolder
@@ -69,6 +93,7 @@ class GraphRun:
     namespace: str = ""
     overwrite: bool = False
     compression: str = DEFAULT_COMPRESSION
+    supervision: Supervision | None = None
 
     def sail(
         self,
@@ -136,9 +161,13 @@ class GraphRun:
                         recording.recorder = recorders[0]
                         one.watch = watch
                     say("starting nodes")
-                    with interrupts.held_back():
-                        self._start_nodes(children)
-                    wait_until_active(one)
+                    supervisor = None
+                    if self.supervision is None or self.pace.lockstep:
+                        with interrupts.held_back():
+                            self._start_nodes(children)
+                        wait_until_active(one)
+                    else:
+                        supervisor = self._supervise(one, children, self.supervision, interrupts, recording)
                     # A graph that announces itself late has been heard of by now.
                     self._refuse_company(one, ours=1)
                     if self.record:
@@ -147,7 +176,7 @@ class GraphRun:
                             START_SECONDS,
                             "the recorder to listen",
                         )
-                    self._conduct(one, say, progress)
+                    self._conduct(one, say, progress, supervisor)
                     arrived(children.running)
             except KeyboardInterrupt as error:
                 interrupted = error
@@ -182,13 +211,53 @@ class GraphRun:
         own = start_parameters(self.vessel, self.scenario, self.pace, hold=self.scenario is not None)
         return {node: base.get(node, {}) | values for node, values in own.items()}
 
-    def _conduct(self, one: Operator, say: Callable[[str], None], progress: Callable[[float], None]) -> None:
+    def _supervise(
+        self,
+        one: Operator,
+        children: Children,
+        supervision: Supervision,
+        interrupts: Interrupts,
+        recording: RecordingWatch,
+    ) -> Supervisor:
+        """Bring the nodes up; whenever somebody waits from now on, they are looked after."""
+        node = one.make_node(SUPERVISOR)
+        supervisor = Supervisor(
+            node,
+            plan_units(self.composed),
+            children,
+            self.folder.logs,
+            self._start_parameters(),
+            self._names(),
+            supervision.rules,
+            supervision.tell,
+            interrupts.held_back,
+        )
+
+        def watch() -> None:
+            supervisor.look()
+            recorders = [] if recording.recorder is None else [recording.recorder]
+            children.check(leave_out=[*supervisor.supervised, *recorders])
+            recording.look()
+            if self.scenario is not None and supervisor.given_up:
+                raise GivenUpError(f"{', '.join(supervisor.given_up)}: given up; a scenario cannot be sailed without")
+
+        one.watch = watch
+        one.wait_until(lambda: supervisor.all_up, START_SECONDS * len(NODES), "the nodes to come up")
+        return supervisor
+
+    def _conduct(
+        self,
+        one: Operator,
+        say: Callable[[str], None],
+        progress: Callable[[float], None],
+        supervisor: Supervisor | None,
+    ) -> None:
         if self.scenario is None:
             say("running; Ctrl-C stops")
             one.wait_until(lambda: False, None, "Ctrl-C")
             return
         say("sailing")
-        Conductor(one, self.scenario).play(progress)
+        Conductor(one, self.scenario, supervisor).play(progress)
 
     def _names(self) -> list[str | Path]:
         return ["-r", f"__ns:=/{self.namespace.strip('/')}"] if self.namespace else []

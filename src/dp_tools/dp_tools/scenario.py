@@ -12,14 +12,14 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from dp_bringup.workspace import share
 from dp_tools.figures import AnyFigure
-from dp_tools.node_settings import SIMULATOR, default_settings
+from dp_tools.node_settings import SIMULATOR, changed_settings, default_settings
 from dp_tools.plot_specs import AnyPlot
 from marine_model import Vessel, load_vessel
 from marine_model.errors import DocumentError, InputError, UnknownNameError
 from marine_model.named_files import file_names, named_file
 from marine_model.schema import NonNegative, Positive, Section, Vector3
 from marine_model.section_text import section_text
-from marine_model.settings import Settings, read_only_parameters, with_parameters
+from marine_model.settings import Settings, read_only_parameters
 from marine_model.units import Unit
 from marine_model.yaml_document import FieldPath, YamlDocument, read_yaml
 
@@ -115,7 +115,7 @@ class Scenario(Section):
         for node, changes in self.start_parameters.items():
             if node not in settings:
                 raise InputError(f"node: expected one of {', '.join(settings)}, found '{node}'")
-            settings[node] = with_parameters(settings[node], changes)
+            settings[node] = changed_settings(node, settings[node], changes, vessel)
         return settings
 
 
@@ -302,18 +302,23 @@ def _parameter_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[Fi
                 for name in read_only_parameters(type(settings[node])) & set(values):
                     yield (*place, node, name), "cannot change while the node runs; set it under parameters"
             try:
-                settings[node] = with_parameters(settings[node], values)
+                settings[node] = changed_settings(node, settings[node], values, vessel)
             except InputError as whole:
-                yield _blame((*place, node), settings[node], values, whole)
+                yield _blame((*place, node), node, settings[node], values, vessel, whole)
 
 
 def _blame(
-    place: FieldPath, settings: Settings, values: Mapping[str, ParameterValue], whole: InputError
+    place: FieldPath,
+    node: str,
+    settings: Settings,
+    values: Mapping[str, ParameterValue],
+    vessel: Vessel,
+    whole: InputError,
 ) -> tuple[FieldPath, str]:
     """Return the first value that is wrong by itself; else the node, as only the combination is wrong."""
     for name, value in values.items():
         try:
-            with_parameters(settings, {name: value})
+            changed_settings(node, settings, {name: value}, vessel)
         except InputError as error:
             return (*place, name), str(error)
     return place, str(whole)

@@ -63,6 +63,13 @@ class Propulsion(Section):
                 "expected a whole multiple of simulation.time_step, found "
                 f"{self.measurement.sample_time} and {self.simulation.time_step}",
             )
+        # Stamps count whole nanoseconds. Decimal fractions are not exact: up to 1e3 s, by 1e-4 ns at most.
+        nanoseconds = self.simulation.time_step * 1e9
+        if abs(nanoseconds - round(nanoseconds)) > 1e-3 or round(nanoseconds) < 1:
+            raise FieldError(
+                ("simulation", "time_step"),
+                f"expected a whole number of nanoseconds, found {self.simulation.time_step!r} s",
+            )
         return self
 
     @cached_property

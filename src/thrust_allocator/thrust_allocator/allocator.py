@@ -250,6 +250,7 @@ class Allocator:
         dt
             Time since the last step, s. What a step may change is limited to ``settings.longest_step``: the commands
             of the last step have been standing since, and what was not asked for then has not been begun.
+            See :meth:`fade` for drivers that have ramped them to zero meanwhile.
 
         Raises
         ------
@@ -325,6 +326,21 @@ class Allocator:
             monitoring=self._monitoring,
             problem=answer.problem if failed else None,
             solution=answer.solution if failed else None,
+        )
+
+    def fade(self, time: float) -> None:
+        """Let thrusts go towards zero at their rates for ``time`` (s), as drivers do that get no commands.
+
+        Raises
+        ------
+        InputError
+            If ``time`` is not a number above 0.
+        """
+        time = positive_number("time", time)
+        self._before = self._before.copy()
+        thrust = self._before[:, Command.THRUST]
+        self._before[:, Command.THRUST] = np.sign(thrust) * np.maximum(
+            np.abs(thrust) - self._vessel.thrust_rate * time, 0.0
         )
 
     def _rehearse(self) -> None:
@@ -432,6 +448,21 @@ class Allocator:
 
 class _Twin(Allocator):
     """An allocator that is stepped once and thrown away."""
+
+    def fade(self, time: float) -> None:
+        """Let thrusts go towards zero at their rates for ``time`` (s), as drivers do that get no commands.
+
+        Raises
+        ------
+        InputError
+            If ``time`` is not a number above 0.
+        """
+        time = positive_number("time", time)
+        self._before = self._before.copy()
+        thrust = self._before[:, Command.THRUST]
+        self._before[:, Command.THRUST] = np.sign(thrust) * np.maximum(
+            np.abs(thrust) - self._vessel.thrust_rate * time, 0.0
+        )
 
     def _rehearse(self) -> None:
         """Have none of its own."""

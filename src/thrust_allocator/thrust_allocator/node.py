@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME
 from marine_model.guards import FloatArray, finite_vector
+from marine_model.thruster_configuration import generalized_force
 from thrust_allocator.allocator import Allocator
 from thrust_allocator.node_health import Tally, health_of
 from thrust_allocator.result import AllocationResult, Status
@@ -26,7 +28,11 @@ _INITIAL = ("vessel", "feedback")
 
 
 class AllocatorNode(RingNode[AllocatorSettings]):
-    """Answers every tau_desired with a thruster_command, tau_achieved and allocation_status of the same stamp."""
+    """Answers every tau_desired with a thruster_command, tau_achieved and allocation_status of the same stamp.
+
+    Deactivated, it goes on answering: thrust is ramped to zero within its rates, azimuths stay, and what is achieved
+    meanwhile is told, so that observer and controller know that the force is gone.
+    """
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("thrust_allocator", **kwargs)
@@ -38,6 +44,9 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         )
         if self._initial not in _INITIAL:
             raise InputError(f"initial_azimuth: expected one of {', '.join(_INITIAL)}, found '{self._initial}'")
+        self._resting = False  # deactivated, on the way to zero thrust or there
+        # Stamp, thrust and azimuth of the last command: where an activation goes on from.
+        self._commanded: tuple[int, FloatArray, FloatArray] | None = None
 
     def default_settings(self, vessel: Vessel) -> AllocatorSettings:
         """Return settings with one element for every thruster of the vessel."""
@@ -54,10 +63,10 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         rehearsal = Allocator(self.vessel, self.settings).step(np.zeros(3), self.vessel.measurement.sample_time)
         self._status_message(AllocationStatus().header, rehearsal)
         self._names = list(self.vessel.thruster_names)
-        self._azimuth: Any = None
-        self._command = self.publish_on(ThrusterCommand, "thruster_command")
-        self._achieved = self.publish_on(WrenchStamped, "tau_achieved")
-        self._status = self.publish_on(AllocationStatus, "allocation_status")
+        self._resting = False
+        self._command = self.publish_on(ThrusterCommand, "thruster_command", when_inactive=True)
+        self._achieved = self.publish_on(WrenchStamped, "tau_achieved", when_inactive=True)
+        self._status = self.publish_on(AllocationStatus, "allocation_status", when_inactive=True)
         # Power of every thruster; where it points; its beta_Q2.
         self._power: Inbox[FloatArray] = Inbox("the power of thruster_feedback")
         self._direction: Inbox[FloatArray] = Inbox("the directions of thruster_feedback")
@@ -70,14 +79,31 @@ class AllocatorNode(RingNode[AllocatorSettings]):
 
     def apply(self, settings: AllocatorSettings) -> None:
         """Hand changed settings to the core; they hold from the next demand on."""
-        self._core.apply(settings)
+        if not self._resting:
+            self._core.apply(settings)
         self._hear()
         self._answer_held()
 
     def started(self) -> None:
-        """Begin anew: without thrust, pointing where the last command left the thrusters."""
-        self._core.reset(azimuth=self._azimuth)
+        """Begin anew, from where the last command left the thrusters."""
+        if self._resting:
+            self._resting = False
+            self._core.apply(self.settings)
+        if self._commanded is None:
+            self._core.reset()
+        else:
+            self._core.reset(*self._commanded[1:])
         self._forget()
+
+    def stopped(self) -> None:
+        """Ask no thrust of any thruster from now on."""
+        self._resting = True
+        self._core.apply(self.settings.model_copy(update={"thruster_enabled": (False,) * len(self._names)}))
+
+    @property
+    def acts(self) -> bool:
+        """Also while inactive after a deactivation, until thrust is at zero and from then on to say so."""
+        return self.active or (self._resting and self._built)
 
     def health(self) -> Health:
         """Return status of the last answer, counts of fall-backs, what limits it, and solve times."""
@@ -119,7 +145,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._ventilation.clear()
         self._room.clear()
         self._stamps = StampSequence("tau_desired", self.vessel.measurement.sample_time)
-        self._waiting = self._initial == "feedback"
+        self._waiting = self._initial == "feedback" and self._commanded is None
         self._tally = Tally()
 
     def _on_feedback(self, message: Any) -> None:
@@ -216,7 +242,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         # In lockstep what was measured is the same in every run, so that a demand waits for it. Before the first demand
         # there has been nothing.
         is_first, stamp = self._stamps.last is None, to_nanoseconds(message.header.stamp)
-        dt = self._stamps.step(message.header.stamp, self.vessel.measurement.sample_time)
+        dt = self._stamps.step(message.header.stamp, self._since_last_command(stamp))
         if self.synchronous and not is_first:
             missing = self._room.missing(stamp, self._needed())
             if missing:
@@ -228,15 +254,32 @@ class AllocatorNode(RingNode[AllocatorSettings]):
 
     def _answer(self, message: Any, dt: float) -> None:
         stamp = message.header.stamp
+        if dt > self.vessel.drivers.command_timeout:
+            # Since then the drivers have ramped thrust to zero; it comes back from there.
+            self._core.fade(dt - self.vessel.drivers.command_timeout)
         self._measure(to_nanoseconds(stamp))
         wrench = message.wrench
         result = self._core.step((wrench.force.x, wrench.force.y, wrench.torque.z), dt)
+        if self._resting:
+            result = self._as_resting(result)
         self._publish(stamp, result)
-        self._azimuth = result.azimuth
+        self._commanded = to_nanoseconds(stamp), result.thrust, result.azimuth
         before = Status.OPTIMAL if self._tally.last is None else self._tally.last.status
         self._tally.add(result, self.settings.solver, dt)
         if result.status is not before:
             self._report(result)
+
+    def _as_resting(self, result: AllocationResult) -> AllocationResult:
+        """Return an answer in which what is left of the thrusts counts: a lost thruster's would not."""
+        vessel, totals = self.vessel, result.totals.copy()
+        totals[:3] = generalized_force(vessel.lever_x, vessel.lever_y, result.thrust, result.azimuth)
+        return replace(result, totals=totals, status=Status.DEACTIVATED, message="thrust is ramped to zero")
+
+    def _since_last_command(self, stamp: int) -> float:
+        """Return the time from the last command of an earlier activation to ``stamp`` (ns), s; one sample without."""
+        if self._commanded is None or stamp <= self._commanded[0]:
+            return self.vessel.measurement.sample_time
+        return seconds_between(self._commanded[0], stamp)
 
     def _report(self, result: AllocationResult) -> None:
         if result.status is Status.OPTIMAL:

@@ -20,6 +20,8 @@ _ROUNDING = 1e-6
 # Below, a hundredth of the thrust comes out as force in the weakest direction. Zero itself is not met: thrusters that
 # answer one demand stop some thousandths of a radian from a common direction.
 _SINGULAR = 0.01
+# Reports before it: thrusters that turn pass through such configurations, and at rest they wander.
+_STILL_SINGULAR = 2
 # A thruster that is at a limit for so many samples of the measurement in a row is saturated for long: at its rate it
 # passes through its whole range in 2 (CyberShip III) to 10 samples (drillship).
 _LONG = 50
@@ -44,6 +46,8 @@ class Tally:
         Sum and largest of the times of these, s.
     saturated
         For how long every thruster has been at a limit without a break, s.
+    singular
+        Reports in a row at which the configuration was singular.
     """
 
     last: AllocationResult | None = None
@@ -56,6 +60,7 @@ class Tally:
     solve_time: float = 0.0
     longest: float = 0.0
     saturated: tuple[float, ...] = ()
+    singular: int = 0
 
     def add(self, result: AllocationResult, solver: str, dt: float) -> None:
         """Take note of an answer after ``dt`` (s); ``solver`` is the one that the settings name."""
@@ -77,6 +82,12 @@ class Tally:
         """Begin the next report."""
         self.fresh = self.fresh_hold = self.fresh_other = 0
         self.solve_time = self.longest = 0.0
+        self.singular = self.singular + 1 if self.last is not None and is_singular(self.last) else 0
+
+
+def is_singular(result: AllocationResult) -> bool:
+    """Return whether the thrusters in use, as they point, give no force in some direction."""
+    return result.status is not Status.NO_THRUSTER and result.gain_both_ways.gain < _SINGULAR
 
 
 def health_of(
@@ -103,6 +114,7 @@ def health_of(
         "demands": tally.demands,
         **{f"steps_{status.value}": number for status, number in tally.steps.items()},
         "solver": settings.solver,
+        "disabled": " ".join(_named(vessel.thruster_names, tuple((~settings.enabled(vessel)).tolist()))),
         "share_of_other_solvers": tally.other_solver / count,
         "share_of_holds": tally.steps[Status.HOLD] / count,
         "solve_time_mean_us": 1e6 * tally.solve_time / tally.fresh if tally.fresh else 0.0,
@@ -117,7 +129,8 @@ def health_of(
         alarms.append(raised("ALLOCATOR-NO-DEMAND"))
     if last is not None:
         values |= _values(last, settings, vessel)
-    if last is not None and tally.fresh:
+    # One that is deactivated is shown as that, and not for what it does not do.
+    if last is not None and tally.fresh and last.status is not Status.DEACTIVATED:
         if last.status in _CODES:
             alarms.append(raised(_CODES[last.status], last.message))
         elif tally.fresh_hold:
@@ -127,7 +140,7 @@ def health_of(
             alarms.append(raised("ALLOCATOR-SOLVER-FELL-BACK", f"{tally.fresh_other} of the last {tally.fresh}"))
         alarms += _limits(last, settings, vessel)
         alarms += _thrusters(tally, last, settings, vessel)
-        alarms += _singularity(last)
+        alarms += _singularity(tally, last)
     return health_with(alarms, values)
 
 
@@ -200,10 +213,10 @@ def _thrusters(tally: Tally, last: AllocationResult, settings: AllocatorSettings
     return found
 
 
-def _singularity(last: AllocationResult) -> list[Alarm]:
+def _singularity(tally: Tally, last: AllocationResult) -> list[Alarm]:
     """Return which directions are short of force."""
     found = []
-    if last.status is not Status.NO_THRUSTER and last.gain_both_ways.gain < _SINGULAR:
+    if tally.singular >= _STILL_SINGULAR and is_singular(last):
         found.append(raised("ALLOCATOR-SINGULAR"))
     avoidance = last.avoidance
     # Without avoidance nobody asked: the optimum of many demands lies below any limit.

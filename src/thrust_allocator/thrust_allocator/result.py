@@ -31,6 +31,8 @@ class Status(StrEnum):
     DEMAND_NOT_FINITE = "demand_not_finite"
     # The solver gave no good answer: thrusts and directions stay, as far as their windows allow.
     HOLD = "hold"
+    # The node is deactivated: every thruster is ramped to zero, whatever is asked.
+    DEACTIVATED = "deactivated"
 
 
 @dataclass(frozen=True, slots=True)

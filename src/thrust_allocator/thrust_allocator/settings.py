@@ -121,9 +121,11 @@ class AllocatorSettings(Settings):
     azimuth_enabled: Switches = setting(
         (), "Per thruster: false for one that cannot turn: it is allocated as fixed where thruster_feedback sees it"
     )
-    thrust_limit_scale: Fractions = setting((), "Per thruster: fraction of the thrust limits that may be used, 0 to 1")
+    thrust_limit_scale: Fractions = setting(
+        (), "Per thruster: fraction of the thrust limits that may be used, 0 to 1", unit="1"
+    )
     azimuth_rate_scale: Fractions = setting(
-        (), "Per thruster: fraction of the azimuth rate that may be used, 0 to 1; at 0 it cannot turn"
+        (), "Per thruster: fraction of the azimuth rate that may be used, 0 to 1; at 0 it cannot turn", unit="1"
     )
     fixed_direction: Directions = setting(
         (),
@@ -219,7 +221,8 @@ def check_settings(settings: AllocatorSettings, vessel: Vessel) -> None:
     if settings.singularity.method != "none":
         limits_of(settings.singularity, vessel)
     buses, found = len(vessel.power.buses), len(settings.power.bus_limit)
-    if settings.power.limit in ("bus", "both") and (found != buses or not buses):
+    asked = settings.power.limit in ("bus", "both")
+    if found not in (0, buses) or (asked and not found):
         raise InputError(
             f"power.bus_limit: expected {buses} elements, one a bus of the vessel file"
             f"{', and at least one bus' if not buses else ''}, found {found}"

@@ -17,9 +17,11 @@ from marine_model.frames import BODY_FRAME
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 from thruster_drivers.command import CommandReader, ThrusterCommand
-from thruster_drivers.drivers import DriverInputs, DriverOutput, Drivers
+from thruster_drivers.drivers import COMMAND_STALE, NO_COMMAND, DriverInputs, DriverOutput, Drivers
 from thruster_drivers.node_health import Tally, health_of, status_alarm
-from thruster_drivers.settings import DriverSettings
+from thruster_drivers.settings import DriverSettings, check_settings
+
+_WITHOUT_COMMAND = (NO_COMMAND, COMMAND_STALE)
 
 
 class DriversNode(RingNode[DriverSettings]):
@@ -34,10 +36,7 @@ class DriversNode(RingNode[DriverSettings]):
 
     def check(self, settings: DriverSettings) -> None:
         """Refuse what does not fit the vessel, such as a law that a thruster cannot follow."""
-        settings.controllers(self.vessel)
-        settings.antispin.check(self.vessel)
-        if self.vessel.drivers.ventilation is not None:
-            settings.ventilation.resolved(self.vessel)
+        check_settings(settings, self.vessel)
 
     def build(self) -> None:
         """Make core, publisher and subscriptions."""
@@ -132,6 +131,12 @@ class DriversNode(RingNode[DriverSettings]):
                 self._tally.ventilated.update([name for name, flag in zip(self._names, flags, strict=True) if flag])
         if output.status != self._tally.status:
             self._report(output)
+        if output.status in _WITHOUT_COMMAND and not np.isfinite((shaft_speed, azimuth)).all():
+            # Nothing is made of it without a command, but a sensor that is lost is to be known of before there is one.
+            self.refuse(
+                f"thruster_feedback: expected finite numbers, found shaft speeds {shaft_speed.tolist()} and "
+                f"azimuths {azimuth.tolist()}"
+            )
 
     def _report(self, output: DriverOutput) -> None:
         self._tally.status = output.status

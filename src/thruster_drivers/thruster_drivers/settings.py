@@ -87,5 +87,13 @@ class DriverSettings(Settings):
         )
 
 
+def check_settings(settings: DriverSettings, vessel: Vessel) -> None:
+    """Raise InputError if ``settings`` do not fit ``vessel``, such as a law that a thruster cannot follow."""
+    settings.controllers(vessel)
+    settings.antispin.check(vessel)
+    if vessel.drivers.ventilation is not None:
+        settings.ventilation.resolved(vessel)
+
+
 def _split(controller: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in controller.split(","))

@@ -7,13 +7,12 @@ import time
 from array import array
 from collections.abc import Callable
 from enum import Enum
-from typing import Any, Self
+from typing import Any
 
 from dp_msgs.msg import ActuatorSetpoint, PropulsionTruth, ThrusterFeedback
 from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
-from pydantic import model_validator
 from rosgraph_msgs.msg import Clock
 
 from dp_node import DpNode, Health, from_nanoseconds, run_node, to_nanoseconds
@@ -21,11 +20,11 @@ from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
 from marine_model.guards import FloatArray, finite_vector
-from marine_model.settings import setting
 from vessel_sim.node_health import SimulatorState, health_of
 from vessel_sim.pace import Pace
-from vessel_sim.settings import SimulatorSettings, check_settings
+from vessel_sim.settings import check_settings
 from vessel_sim.simulator import Simulator, SimulatorInputs
+from vessel_sim.time_settings import NodeSettings
 
 _WATCH_PERIOD = 0.1  # s of wall time between two looks at the graph and at answers that are overdue
 # The graph must look complete this many times in a row before lockstep starts: one node may see a new endpoint
@@ -48,27 +47,6 @@ class Phase(Enum):
     PACED = "waiting for its time"
     COMMAND = "waiting for an actuator_setpoint that holds the command for the pose"
     SETPOINT = "waiting for the actuator_setpoint that answers the thruster_feedback"
-
-
-class NodeSettings(SimulatorSettings):
-    """Settings of the core, and how time goes."""
-
-    lockstep: bool = setting(
-        False, "Wait for the ring to answer every sample: runs are repeatable to the bit", read_only=True
-    )
-    rate: float = setting(
-        1.0, "Simulated seconds a wall second; 1 is real time, 0 as fast as the ring answers (lockstep only)", ge=0.0
-    )
-    hold: bool = setting(False, "Stand still until the service ~/advance says how far to sail", read_only=True)
-    lockstep_timeout: float = setting(
-        5.0, "Wall time without an answer after which lockstep says what is missing", unit="s", ge=0.1
-    )
-
-    @model_validator(mode="after")
-    def _time_goes_on(self) -> Self:
-        if self.rate == 0.0 and not self.lockstep:
-            raise ValueError("rate: expected above 0 unless lockstep is on, found 0.0")
-        return self
 
 
 class VesselSimNode(DpNode[NodeSettings]):
@@ -98,8 +76,14 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._time_step = vessel.simulation.time_step
         self._step_ns = round(self._time_step * 1e9)
         self._control_every = round(vessel.measurement.sample_time / self._time_step)
-        self._tick = 0
-        self._inputs = SimulatorInputs(*(finite_vector("zero", [0.0] * self._n, self._n) for _ in range(2)))
+        # At a control sample: the first thing that is sent is a pose.
+        self._tick = math.ceil(self.settings.start_time / vessel.measurement.sample_time) * self._control_every
+        self._inputs = self._rest = SimulatorInputs(
+            *(finite_vector("zero", [0.0] * self._n, self._n) for _ in range(2))
+        )
+        self._began = self._now_ns
+        self._fed = self._tick  # when the set point in force came
+        self._drives_cut = 0
         self._phase = Phase.GRAPH if self.settings.lockstep else Phase.PACED
         self._sightings = 0
         self._waiting_since = 0.0
@@ -202,10 +186,21 @@ class VesselSimNode(DpNode[NodeSettings]):
 
     def _step(self) -> None:
         """One step of the core on the set point in force."""
+        if not self.settings.lockstep:
+            self._watch_drives()
         self._simulator.step(self._inputs, self._time_step)
         self._tick += 1
         self._clock_message.clock = from_nanoseconds(self._now_ns)
         self._publish_clock.publish(self._clock_message)
+
+    def _watch_drives(self) -> None:
+        """Take torque and azimuth rate away once set points have stopped, as the watchdog of a motor drive does."""
+        timeout = self.settings.setpoint_timeout
+        if timeout == 0.0 or self._inputs is self._rest or (self._tick - self._fed) * self._time_step <= timeout:
+            return
+        self._inputs = self._rest
+        self._drives_cut += 1
+        self.get_logger().warning(f"no actuator_setpoint for {timeout:g} s: drives without torque and azimuth rate")
 
     # Lockstep -------------------------------------------------------------------------------------------------------
 
@@ -247,6 +242,7 @@ class VesselSimNode(DpNode[NodeSettings]):
             )
         self._answered = (stamp, command_stamp)
         self._inputs = SimulatorInputs(torque, rate, pitch)
+        self._fed = self._tick
         if self._phase is Phase.COMMAND:
             if command_stamp >= now:
                 self._ask_drivers()
@@ -313,7 +309,7 @@ class VesselSimNode(DpNode[NodeSettings]):
 
     def health(self) -> Health:
         """Return how time goes, and who keeps it from going."""
-        answered = 0 if self._answered is None else self._answered[0]
+        answered = self._began if self._answered is None else self._answered[0]
         state = SimulatorState(
             now=self._now,
             phase=self._phase.value,
@@ -329,6 +325,7 @@ class VesselSimNode(DpNode[NodeSettings]):
             fresh_lost=self._poses_lost - self._lost_reported,
             setpoint_age=(self._now_ns - answered) * 1e-9,
             setpoint_limit=self.vessel.drivers.command_timeout,
+            drives_cut=self._drives_cut,
         )
         self._poses_reported, self._lost_reported = self._poses, self._poses_lost
         return health_of(state)

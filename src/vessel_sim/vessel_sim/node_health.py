@@ -35,6 +35,8 @@ class SimulatorState:
         Age of the set point in force, s; that of the run before the first.
     setpoint_limit
         Age above which an alarm is raised, s.
+    drives_cut
+        How often the drives had no set point for so long that they took their torque away.
     """
 
     now: float
@@ -51,16 +53,19 @@ class SimulatorState:
     fresh_lost: int
     setpoint_age: float
     setpoint_limit: float
+    drives_cut: int = 0
 
 
 def health_of(state: SimulatorState) -> Health:
     """Return level, text, values and alarms."""
     values: dict[str, object] = {
-        "simulated_time": state.now,
+        # To the millisecond however long it runs: who restarts a simulator begins there.
+        "simulated_time": f"{state.now:.3f}",
         "phase": state.phase,
         "rate": state.rate,
         "poses": state.poses,
         "poses_lost": state.poses_lost,
+        "drives_cut": state.drives_cut,
     }
     if state.achieved is not None:
         values["rate_achieved"] = state.achieved

@@ -85,7 +85,7 @@ class WaveSettings(Settings):
 class CurrentSettings(Settings):
     """Uniform current."""
 
-    speed: float = setting(0.0, "Current speed", unit="m/s", ge=0.0)
+    speed: float = setting(0.0, "Current speed", unit="m/s", ge=0.0, le=20.0)
     direction: float = setting(
         0.0,
         "Direction in NED that the current sets towards",
@@ -95,7 +95,7 @@ class CurrentSettings(Settings):
     )
 
     variation: float = setting(
-        0.0, "Standard deviation of a slow variation of the speed about its mean", unit="m/s", ge=0.0
+        0.0, "Standard deviation of a slow variation of the speed about its mean", unit="m/s", ge=0.0, le=20.0
     )
     direction_variation: float = setting(
         0.0, "Standard deviation of a slow variation of the direction about its mean", unit="rad", ge=0.0, le=math.pi
@@ -113,6 +113,7 @@ class WindSettings(Settings):
         "Mean wind speed (one hour at full scale), 10 m above the sea at full scale; at the scale of the vessel",
         unit="m/s",
         ge=0.0,
+        le=200.0,
     )
     direction: float = setting(
         math.pi,
@@ -143,8 +144,8 @@ class PropulsionSettings(Settings):
 class InitialState(Settings):
     """Where the vessel lies, at rest over ground, when the run begins."""
 
-    north: float = setting(0.0, "Position north at the start", unit="m", read_only=True)
-    east: float = setting(0.0, "Position east at the start", unit="m", read_only=True)
+    north: float = setting(0.0, "Position north at the start", unit="m", ge=-1e7, le=1e7, read_only=True)
+    east: float = setting(0.0, "Position east at the start", unit="m", ge=-1e7, le=1e7, read_only=True)
     heading: float = setting(
         0.0, "Heading at the start", unit="rad", ge=-2.0 * math.pi, le=2.0 * math.pi, read_only=True
     )

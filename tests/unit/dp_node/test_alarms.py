@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import re
+from collections.abc import Iterable
+from pathlib import Path
 
 import pytest
 
@@ -51,3 +54,40 @@ def test_active_alarms_are_key_values() -> None:
         "alarm.DRIVERS-COMMAND-STALE": STALE.text,
         "alarm.RECORDER-DISK-FULL": f"{FULL.text}; {other.text}",
     }
+
+
+# Table, page, source and tests ----------------------------------------------------------------------------------------
+
+ROOT = Path(__file__).parents[3]
+CODE = re.compile(r"(?:NODE|OBSERVER|CONTROLLER|ALLOCATOR|DRIVERS|SIMULATOR|RECORDER|SUPERVISOR)(?:-[A-Z]+)+")
+
+
+def codes_in(paths: Iterable[Path]) -> set[str]:
+    """Every code that is a string of its own in these files; in a test also behind ``alarm.``."""
+    found = set()
+    for path in paths:
+        for item in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(item, ast.Constant) and isinstance(item.value, str):
+                text = item.value.removeprefix("alarm.")
+                if CODE.fullmatch(text):
+                    found.add(text)
+    return found
+
+
+def test_every_code_is_raised_by_somebody_and_nobody_raises_another() -> None:
+    table = ROOT / "src" / "dp_node" / "dp_node" / "alarms.py"
+    assert codes_in(path for path in ROOT.glob("src/**/*.py") if path != table) == set(ALARMS)
+
+
+def test_every_code_is_named_in_a_test() -> None:
+    here = Path(__file__)
+    assert set(ALARMS) <= codes_in(path for path in ROOT.glob("tests/**/*.py") if path != here)
+
+
+def test_the_page_holds_the_same_table() -> None:
+    page = (ROOT / "docs" / "alarms.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in page.splitlines() if line.startswith("| `")]
+    told = {code.strip("`"): (level, text, advice) for code, level, text, _, advice in rows}
+    assert told == {code: (kind.level.name, kind.text, kind.advice) for code, kind in ALARMS.items()}
+    assert list(told) == list(ALARMS)
+    assert all(when for _, _, _, when, _ in rows)

@@ -16,10 +16,12 @@ from mcap.stream_reader import StreamReader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import QosDurability, QosHistory, QosReliability
+from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from dp_tools.recorder.bag_metadata import TopicInfo
-from dp_tools.recorder.bag_writer import RESERVE_BYTES, BagWriter
+from dp_tools.recorder.bag_writer import RESERVE_BYTES, BagWriter, Limits
+from dp_tools.recorder.compression import COMPRESSIONS
 from dp_tools.recorder.errors import RecordingRefusedError, RecordingStoppedError
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -235,3 +237,178 @@ def test_what_is_flushed_survives_without_closing(tmp_path: Path) -> None:
     with pytest.raises(EndOfFile):
         found.extend(record for record in records)
     assert [record.log_time for record in found if isinstance(record, Message)] == list(range(5))
+
+
+# Compression and files -----------------------------------------------------------------------------------------------
+
+
+def chunk_compressions(path: Path) -> set[str]:
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    return {index.compression for index in summary.chunk_indexes}
+
+
+@pytest.mark.parametrize("compression", COMPRESSIONS)
+def test_every_compression_is_read_by_mcap_and_rosbags(tmp_path: Path, compression: str) -> None:
+    writer = BagWriter(tmp_path / "bag", compression=compression, chunk_size=500)
+    channel = writer.add_topic(TOPIC, DEFINITION)
+    for k in range(50):
+        writer.write(channel, message(k), 1000 + k, 900 + k, k)
+    writer.close()
+    path = tmp_path / "bag" / "bag_0.mcap"
+    assert chunk_compressions(path) == {"" if compression == "none" else compression}
+    assert [ros.header.stamp.sec for _, _, ros in decoded(path)] == list(range(50))
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert [time for _, time, _ in reader.messages()] == list(range(1000, 1050))
+
+
+def test_an_unknown_compression_is_refused_and_nothing_left_behind(tmp_path: Path) -> None:
+    with pytest.raises(RecordingRefusedError, match="compression: expected one of zstd, lz4, none, found 'zip'"):
+        BagWriter(tmp_path / "bag", compression="zip")
+    assert list(tmp_path.iterdir()) == []
+
+
+def write_split(folder: Path, count: int, limits: Limits, step: int = 1) -> None:
+    """Write ``count`` messages of 72 bytes, uncompressed, so that sizes are known."""
+    writer = BagWriter(folder, limits=limits, compression="none")
+    writer.attach("vessel.yaml", "application/yaml", b"name: x\n", 7)
+    writer.attach("parameters/a.yaml", "application/yaml", b"first", 8)
+    writer.describe("versions", {"python": "3"})
+    writer.fresh = lambda: {"parameters/a.yaml": b"changed"}
+    channel = writer.add_topic(TOPIC, DEFINITION)
+    for k in range(count):
+        writer.write(channel, message(k), 1000 + step * k, 900 + k, k)
+    writer.close({"lost_messages": "0"})
+
+
+def test_a_bag_split_by_size_is_one_to_rosbags_and_every_file_is_whole(tmp_path: Path) -> None:
+    folder, count, size = tmp_path / "bag", 2000, 40_000
+    write_split(folder, count, Limits(size=size))
+    information = yaml.safe_load((folder / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    names = information["relative_file_paths"]
+    assert names == [f"bag_{k}.mcap" for k in range(len(names))]
+    assert len(names) > 2
+    assert sorted(path.name for path in folder.iterdir()) == sorted([*names, "metadata.yaml"])
+    assert [file["path"] for file in information["files"]] == names
+    assert sum(file["message_count"] for file in information["files"]) == information["message_count"] == count
+    assert information["topics_with_message_count"][0]["message_count"] == count
+    assert information["duration"] == {"nanoseconds": count - 1}
+
+    start = 1000
+    for number, file in enumerate(information["files"]):
+        path = folder / file["path"]
+        assert file["starting_time"] == {"nanoseconds_since_epoch": start}
+        assert file["duration"] == {"nanoseconds": file["message_count"] - 1}
+        start += file["message_count"]
+        found = decoded(path)
+        assert [raw.log_time for _, raw, _ in found] == list(range(start - file["message_count"], start))
+        with path.open("rb") as stream:
+            reader = make_reader(stream)
+            summary = reader.get_summary()
+            attachments = {one.name: one for one in reader.iter_attachments()}
+            records = {one.name: one.metadata for one in reader.iter_metadata()}
+        assert summary is not None
+        # The limit is that of the messages; no more than a sixteenth of it is left unused.
+        messages = max(index.chunk_start_offset + index.chunk_length for index in summary.chunk_indexes)
+        assert messages <= size + 2000  # index of the last chunk
+        assert number == len(names) - 1 or messages > size * 0.9
+        assert records["versions"] == {"python": "3"}
+        assert attachments["vessel.yaml"].data == b"name: x\n"
+        # What a further file repeats is known by its log time, and has what has changed since.
+        repeated = attachments["parameters/a.yaml"]
+        assert repeated.data == (b"changed" if number else b"first")
+        assert repeated.create_time == 8
+        assert (repeated.log_time > repeated.create_time) == (number > 0)
+        own = yaml.safe_load(records["rosbag2"]["serialized_metadata"])
+        assert own["relative_file_paths"] == [file["path"]]
+        assert own["message_count"] == file["message_count"]
+
+    with AnyReader([folder]) as reader:
+        assert (reader.message_count, reader.start_time, reader.end_time) == (count, 1000, 1000 + count)
+        assert [time for _, time, _ in reader.messages()] == list(range(1000, 1000 + count))
+    with Reader(folder) as one:
+        assert [time for _, time, _ in one.messages()] == list(range(1000, 1000 + count))
+
+
+def test_a_bag_split_by_time(tmp_path: Path) -> None:
+    write_split(tmp_path / "bag", 25, Limits(duration=1000), step=100)
+    information = yaml.safe_load((tmp_path / "bag" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert [file["message_count"] for file in information["files"]] == [10, 10, 5]
+
+
+def test_a_message_larger_than_a_file_may_be_has_one_of_its_own(tmp_path: Path) -> None:
+    write_split(tmp_path / "bag", 3, Limits(size=10))
+    information = yaml.safe_load((tmp_path / "bag" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert [file["message_count"] for file in information["files"]] == [1, 1, 1]
+
+
+@pytest.mark.parametrize("room", [5000, 9000, 20_000])
+def test_a_disk_that_fills_up_leaves_a_split_bag_whole(tmp_path: Path, room: int) -> None:
+    """All files of the bag share one disk."""
+    folder = tmp_path / "bag"
+    disk = SharedDisk(room, folder / ".reserve")
+    writer = BagWriter(folder, chunk_size=500, open_stream=disk.open, compression="none", limits=Limits(size=4000))
+    channel = writer.add_topic(TOPIC, DEFINITION)
+
+    def write_on() -> None:
+        for k in range(100_000):
+            writer.write(channel, message(k), k, k, k)
+
+    with pytest.raises(RecordingStoppedError, match="No space left on device"):
+        write_on()
+    assert writer.disk_full
+    with pytest.raises(RecordingStoppedError, match="No space left on device"):
+        writer.close()
+    information = yaml.safe_load((folder / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    stamps: list[int] = []
+    for name in information["relative_file_paths"]:
+        stamps += [ros.header.stamp.sec for _, _, ros in decoded(folder / name)]
+    assert stamps == list(range(information["message_count"]))
+    assert len(stamps) == writer.message_count > 0
+
+
+class SharedDisk:
+    """Files that share the room of one disk."""
+
+    def __init__(self, room: int, reserve: Path) -> None:
+        self.room = room
+        self.reserve = reserve
+        self.used: dict[Path, int] = {}
+
+    def open(self, path: Path) -> Any:
+        return _OnDisk(self, path)
+
+
+class _OnDisk(SmallDisk):
+    def __init__(self, disk: SharedDisk, path: Path) -> None:
+        self._disk = disk
+        self._path = path
+        super().__init__(path, 0, disk.reserve)
+
+    def write(self, data: memoryview) -> int:
+        others = sum(size for path, size in self._disk.used.items() if path != self._path)
+        self._room = self._disk.room - others
+        count = super().write(data)
+        self._disk.used[self._path] = self._file.tell()
+        return count
+
+    def truncate(self, size: int) -> int:
+        self._disk.used[self._path] = size
+        return super().truncate(size)
+
+
+def test_the_reserve_grows_with_the_summary(tmp_path: Path) -> None:
+    """A chunk index for every half second of days: more than the first mebibyte."""
+    writer = BagWriter(tmp_path / "bag")
+    channel = writer.add_topic(TOPIC, DEFINITION)
+    for k in range(12_000):
+        writer.write(channel, message(0), k, k, k)
+        writer.flush()
+    reserve = tmp_path / "bag" / ".reserve"
+    assert reserve.stat().st_size > RESERVE_BYTES
+    before = writer.size
+    kept = reserve.stat().st_size
+    writer.close()
+    summary = (tmp_path / "bag" / "bag_0.mcap").stat().st_size - before
+    assert summary + (tmp_path / "bag" / "metadata.yaml").stat().st_size < kept

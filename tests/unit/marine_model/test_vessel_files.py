@@ -317,6 +317,11 @@ WRONG = [
         "measurement.sample_time: expected a whole multiple of simulation.time_step, found 0.21 and 0.02",
     ),
     (
+        "time_step: 0.02",
+        "time_step: 0.0181818181818181818",
+        "simulation.time_step: expected a whole number of nanoseconds, found 0.01818181818181818 s",
+    ),
+    (
         "mass: 89.0 ",
         "mass: 95.0 ",
         "manoeuvring.rigid_body_mass: expected hull.mass for surge and sway within 1 %, found [89.0, 89.0] and 95.0",

@@ -32,7 +32,7 @@ def codes(health: Health) -> list[str]:
 def test_all_is_well() -> None:
     health = health_of(WELL)
     assert (health.level, health.message, health.alarms) == (Level.OK, "nominal", ())
-    assert (health.values["simulated_time"], health.values["rate_achieved"]) == (12.0, 2.0)
+    assert (health.values["simulated_time"], health.values["rate_achieved"]) == ("12.000", 2.0)
     assert "time_not_kept_up_with" not in health.values
     assert "rate_achieved" not in health_of(replace(WELL, achieved=None)).values
     assert health_of(replace(WELL, held=True, phase="held")).message == "held"

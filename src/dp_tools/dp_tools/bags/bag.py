@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from array import array
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, Self
 
 import numpy as np
-import yaml
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata, Schema
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from dp_tools.bags.errors import BagError, CutOffError, DamageError
 from dp_tools.bags.files import BagFiles, bag_files
 from dp_tools.bags.mcap_records import MAGIC, MESSAGE_HEAD, RawRecord, parsed, raw_records, records_in, unpacked
+from dp_tools.bags.yaml_text import YAML_ERRORS, from_yaml
 
 # Unpacked chunks kept for messages asked for one by one; those of one time are in a few neighbouring chunks.
 _CHUNKS_KEPT = 32
@@ -53,12 +54,12 @@ class BagTopic:
     quality_text: str
     type_hash: str
 
-    @property
+    @cached_property
     def offered_quality(self) -> tuple[Mapping[str, Any], ...]:
         """One mapping a publisher, in rosbag2's words; empty where the bag tells none."""
         try:
-            found = yaml.safe_load(self.quality_text) if self.quality_text else None
-        except (yaml.YAMLError, ValueError, RecursionError):
+            found = from_yaml(self.quality_text) if self.quality_text else None
+        except YAML_ERRORS:
             return ()
         return tuple(one for one in found if isinstance(one, dict)) if isinstance(found, list) else ()
 
@@ -111,6 +112,10 @@ class Bag:
         Times and topics of all messages.
     cut_off
         By file: where and why it ends before its end. Everything before is in ``messages``.
+    chunks
+        Number of chunks by compression, ``none`` for none.
+    unpacked_size
+        Bytes of what is in all chunks.
     """
 
     def __init__(self, files: BagFiles) -> None:
@@ -120,6 +125,8 @@ class Bag:
         self.records: list[Metadata] = []
         self.messages = Messages(*(np.empty(0, dtype=np.int64) for _ in range(4)))
         self.cut_off: dict[Path, CutOffError] = {}
+        self.chunks: Counter[str] = Counter()
+        self.unpacked_size = 0
         self._open = ExitStack()
         self._blocks: list[_Block] = []
         self._where: tuple[Any, Any, Any] = (array("q"), array("q"), array("q"))  # block, begin, end
@@ -207,7 +214,10 @@ class _FileReader:
                 return
 
     def _chunk(self, raw: RawRecord) -> None:
-        data = unpacked(parsed(raw), raw.start)
+        chunk = parsed(raw)
+        data = unpacked(chunk, raw.start)
+        self._bag.chunks[chunk.compression or "none"] += 1
+        self._bag.unpacked_size += len(data)
         block = len(self._bag._blocks)
         self._bag._blocks.append(_Block(self._stream, self._path, raw.start, True))
         for opcode, begin, end in records_in(data, raw.start):

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from dp_tools.bags.errors import BagError
+from dp_tools.bags.yaml_text import YAML_ERRORS, from_yaml
 
 METADATA = "metadata.yaml"
 _NUMBER = re.compile(r"_(\d+)\.mcap$")
@@ -75,9 +74,9 @@ def _in_order(folder: Path) -> tuple[Path, ...]:
 def read_metadata(path: Path) -> Mapping[str, Any]:
     """Return what metadata.yaml says. Raises BagError, OSError."""
     try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+        document = from_yaml(path.read_text(encoding="utf-8"))
         information = document["rosbag2_bagfile_information"]
-    except (yaml.YAMLError, UnicodeDecodeError, KeyError, TypeError, RecursionError, ValueError) as error:
+    except (*YAML_ERRORS, KeyError, TypeError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise BagError(f"{path}: not the metadata of a bag: {reason}") from error
     if not isinstance(information, dict):

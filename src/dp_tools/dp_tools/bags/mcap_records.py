@@ -44,6 +44,8 @@ MAGIC = b"\x89MCAP0\r\n"
 RECORD_HEAD = struct.Struct("<BQ")
 # Channel, sequence, log time, publish time; the data follows.
 MESSAGE_HEAD = struct.Struct("<HIQQ")
+# Records of this kind and above belong to the user; readers leave them out.
+FIRST_PRIVATE = 0x80
 # A chunk that claims to be larger than this is not unpacked: ours are 1 MiB, other writers' some MiB.
 LARGEST_CHUNK = 1 << 31
 
@@ -148,9 +150,10 @@ def parsed(raw: RawRecord) -> Any:
         again = _encoded(record)
     except (McapError, struct.error, ValueError, OverflowError, MemoryError) as error:
         raise DamageError(raw.start, f"{record_name(raw.opcode)} cannot be read: {_words(error)}") from error
-    # A reader takes what it gets where a length inside is too large; what it took is the same only if nothing was.
+    # A reader takes what it gets where a length inside is too large, and leaves what it does not know at the end, which
+    # later versions of the format may add; of this one nothing is left and nothing lacks.
     found = raw.content
-    if again != found[: len(again)] and not _without_checksum(record, again, found):
+    if again != found and not _without_checksum(record, again, found):
         raise DamageError(raw.start, f"{record_name(raw.opcode)} {_why_different(record, again, found)}")
     return record
 

@@ -18,8 +18,11 @@ from dp_bringup.parameter_service import (
     RemoteParameters,
     read_parameter_file,
     to_parameter_file,
+    yaml_value,
 )
 from dp_tools.commands.root import Namespace, console
+from dp_tools.parameter_template import parameter_template
+from marine_model import load_vessel
 from marine_model.yaml_document import parse_value
 
 parameters_app = typer.Typer(help="Read and change parameters of running nodes.", no_args_is_help=True)
@@ -111,6 +114,41 @@ def load(
         for node, own in values.items():
             changed = RemoteParameters(one, node).set_changeable(own)
             console.print(f"{node}: set {len(changed)} parameters")
+
+
+@parameters_app.command()
+def diff(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="ROS parameter file.")], namespace: Namespace = ""
+) -> None:
+    """Compare a file with the running nodes; exit code 1 if a value differs."""
+    values = read_parameter_file(file)
+    differing = 0
+    with operator(namespace) as one:
+        for node, own in values.items():
+            present = RemoteParameters(one, node).get(list(own))
+            for name, value in own.items():
+                if present[name] != value:
+                    differing += 1
+                    line = f"{node}: {name}: file {yaml_value(value)}, node {yaml_value(present[name])}"
+                    console.print(line, markup=False, highlight=False)
+    if differing:
+        raise typer.Exit(1)
+
+
+@parameters_app.command()
+def template(
+    node: NodeName,
+    vessel: Annotated[str, typer.Option(metavar="VESSEL", help="Name or file of the vessel.")] = "cybership3",
+    output: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="File to write; standard output if left out.")
+    ] = None,
+) -> None:
+    """Write a parameter file of one node with every default, unit and meaning; needs no running graph."""
+    text = parameter_template(node, vessel, load_vessel(vessel))
+    if output is None:
+        typer.echo(text, nl=False)
+    else:
+        output.write_text(text, encoding="utf-8")
 
 
 def _running(one: Operator) -> list[str]:

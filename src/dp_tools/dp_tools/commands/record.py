@@ -11,6 +11,7 @@ from rclpy.parameter import Parameter
 from rich.live import Live
 from rich.text import Text
 
+from dp_bringup.operator_node import full_namespace
 from dp_tools.commands.root import Namespace, console, error_console
 from dp_tools.recorder.compression import DEFAULT_COMPRESSION
 from dp_tools.recorder.recorder_node import RecorderNode
@@ -61,6 +62,7 @@ def record(
 
     Topics are found as they appear, with the parameters of all nodes and every change of them.
     """
+    full = full_namespace(namespace)
     values: dict[str, Any] = {
         "output": str(output),
         "overwrite": overwrite,
@@ -88,7 +90,7 @@ def record(
             error_console.print("[bold red]error:[/]", highlight=False, end=" ")
             error_console.print(text, markup=False, highlight=False, soft_wrap=True)
 
-        code = run([], parameters, f"/{namespace.strip('/')}", tell, say, complain)
+        code = run([], parameters, full, tell, say, complain)
     raise typer.Exit(code)
 
 

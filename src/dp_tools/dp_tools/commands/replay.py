@@ -43,28 +43,33 @@ class TimeOf(StrEnum):
     LOG = "log"
 
 
+BagPath = Annotated[Path, typer.Argument(metavar="BAG", help="Folder of a bag or of a run, or one MCAP file.")]
+Start = Annotated[float | None, typer.Option(metavar="SECONDS", help="From here on, counted from the first message.")]
+Until = Annotated[float | None, typer.Option(metavar="SECONDS", help="Up to here, counted from the first message.")]
+SimTime = Annotated[
+    bool, typer.Option("--sim-time", metavar="", help="--start and --until are simulated time, by the bag's clock.")
+]
+TimeOfOption = Annotated[
+    TimeOf, typer.Option("--time", help="By the time at which messages were published, or were recorded.")
+]
+Topics = Annotated[
+    list[str] | None, typer.Option(metavar="TOPIC", help="Only these topics (* and ? allowed); repeatable.")
+]
+Exclude = Annotated[
+    list[str] | None, typer.Option(metavar="TOPIC", help="Not these topics (* and ? allowed); repeatable.")
+]
+
+
 def replay(
-    bag: Annotated[Path, typer.Argument(metavar="BAG", help="Folder of a bag or of a run, or one MCAP file.")],
+    bag: BagPath,
     rate: Annotated[float, typer.Option(metavar="NUMBER", help="Bag seconds a second.")] = 1.0,
-    start: Annotated[
-        float | None, typer.Option(metavar="SECONDS", help="From here on, counted from the first message.")
-    ] = None,
-    until: Annotated[
-        float | None, typer.Option(metavar="SECONDS", help="Up to here, counted from the first message.")
-    ] = None,
-    sim_time: Annotated[
-        bool, typer.Option("--sim-time", metavar="", help="--start and --until are simulated time, by the bag's clock.")
-    ] = False,
-    time_of: Annotated[
-        TimeOf, typer.Option("--time", help="Send by the time at which messages were published, or were recorded.")
-    ] = TimeOf.PUBLISH,
+    start: Start = None,
+    until: Until = None,
+    sim_time: SimTime = False,
+    time_of: TimeOfOption = TimeOf.PUBLISH,
     loop: Annotated[bool, typer.Option("--loop", metavar="", help="Begin anew at the end, until Ctrl-C.")] = False,
-    topics: Annotated[
-        list[str] | None, typer.Option(metavar="TOPIC", help="Only these topics (* and ? allowed); repeatable.")
-    ] = None,
-    exclude: Annotated[
-        list[str] | None, typer.Option(metavar="TOPIC", help="Not these topics (* and ? allowed); repeatable.")
-    ] = None,
+    topics: Topics = None,
+    exclude: Exclude = None,
     remap: Annotated[
         list[str] | None, typer.Option(metavar="OLD:=NEW", help="Publish a topic under another name; repeatable.")
     ] = None,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
 
@@ -13,10 +14,11 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from dp_bringup.processes import Child, ChildDiedError
+from dp_bringup.supervisor import CannotStartError, Rules
 from dp_tools.commands.record import DEFAULT, Compression
 from dp_tools.commands.report import write_and_tell
 from dp_tools.commands.root import Namespace, console, error_console
-from dp_tools.graph_run import GraphRun, UncleanStopError
+from dp_tools.graph_run import GraphRun, Supervision, UncleanStopError
 from dp_tools.run_files import Pace
 from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario, load_scenario
@@ -48,6 +50,14 @@ def up(
             min=0.0,
         ),
     ] = None,
+    no_restart: Annotated[
+        bool,
+        typer.Option("--no-restart", metavar="", help="Stop with the reason if a node dies; --lockstep always does."),
+    ] = False,
+    hang_timeout: Annotated[
+        float,
+        typer.Option(metavar="SECONDS", help="A node that is silent for so long is killed and restarted.", min=0.1),
+    ] = Rules.hang_timeout,
     composed: Annotated[bool, typer.Option("--composed", metavar="", help="All nodes in one process.")] = False,
     namespace: Namespace = "",
     output: Annotated[
@@ -60,7 +70,7 @@ def up(
     """Start the graph, play a scenario if one is given, and stop everything in the end.
 
     Exit code 0 if the scenario was played to its end, or the graph ran without one until Ctrl-C; 1 if something went
-    wrong, e.g. a node died; 130 if Ctrl-C or SIGTERM cut the scenario short.
+    wrong, e.g. a node could not start; 130 if Ctrl-C or SIGTERM cut the scenario short.
     """
     if report and not (scenario and record):
         raise typer.BadParameter("--report needs --scenario and --record")
@@ -74,7 +84,8 @@ def up(
     folder = RunFolder((output or Path("runs") / (chosen.name if chosen else "up")).absolute())
     folder.prepare(overwrite or not record)
     run = GraphRun(folder, vessel_name, chosen, Pace(lockstep, rate), record, composed, namespace, overwrite)
-    run = replace(run, compression=compression.value)
+    supervision = None if no_restart or lockstep else Supervision(_teller(folder.logs), _rules(hang_timeout))
+    run = replace(run, compression=compression.value, supervision=supervision)
     interrupted = False
     try:
         if chosen is None:
@@ -83,7 +94,7 @@ def up(
             _sail_with_bar(run, chosen)
     except KeyboardInterrupt:
         interrupted = True
-    except (ChildDiedError, UncleanStopError):
+    except (ChildDiedError, CannotStartError, UncleanStopError):
         _tell_bag(run)
         raise
     _tell_bag(run)
@@ -93,6 +104,21 @@ def up(
         raise typer.Exit(INTERRUPTED)
     if report:
         write_and_tell(folder.bag, folder.path)
+
+
+def _rules(hang_timeout: float) -> Rules:
+    return Rules(hang_timeout=hang_timeout, silent_after=min(Rules.silent_after, hang_timeout))
+
+
+def _teller(logs: Path) -> Callable[[str], None]:
+    """Return what tells of restarts in the terminal, and with the time in a log beside those of the nodes."""
+
+    def tell(text: str) -> None:
+        console.print(f"supervisor: {text}", markup=False, highlight=False, soft_wrap=True)
+        with (logs / "supervisor.log").open("a", encoding="utf-8") as log:
+            log.write(f"{datetime.now(UTC).isoformat(timespec='milliseconds')} {text}\n")
+
+    return tell
 
 
 def _warn(text: str) -> None:

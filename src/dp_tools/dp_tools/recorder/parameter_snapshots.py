@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -44,12 +44,12 @@ class Snapshot:
         return to_parameter_file({self.node.rpartition("/")[2]: dict(sorted(self.values.items()))}).encode()
 
 
-def snapshot_of(node: str, time: int, names: Sequence[str], values: Iterable[Any]) -> Snapshot:
-    """Return the snapshot that an answer of GetParameters tells."""
-    snapshot = Snapshot(node, time)
-    for name, value in zip(names, values, strict=False):
-        _put(snapshot.values, name, value)
-    return snapshot
+def values_of(names: Sequence[str], values: Sequence[Any]) -> dict[str, Any]:
+    """Return what an answer of GetParameters tells, by name."""
+    found: dict[str, Any] = {}
+    for name, value in zip(names, values, strict=True):
+        _put(found, name, value)
+    return found
 
 
 def _put(values: dict[str, Any], name: str, value: Any) -> None:

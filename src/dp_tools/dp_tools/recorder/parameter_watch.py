@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from rcl_interfaces.srv import GetParameters, ListParameters
 from rclpy.node import Node
 
-from dp_tools.recorder.parameter_snapshots import Snapshot, snapshot_of
+from dp_tools.recorder.parameter_snapshots import Snapshot, values_of
 from dp_tools.recorder.selection import PARAMETER_EVENTS, is_hidden
 
 # A service drops its answer if it has not heard of this client's reader yet: a request goes out again after so long, s.
@@ -57,22 +57,43 @@ class _Question:
 
 @dataclass
 class _Inquiry:
-    """What one node is being asked: first the names, then the values."""
+    """What one node is being asked: first the names, then the values, group by group."""
 
     node: str
     since: float
     listing: _Question
     getting: _Question
-    names: list[str] = field(default_factory=list)
+    groups: list[list[str]] | None = None  # of names whose values are still to be asked; None before they are known
+    snapshot: Snapshot | None = None
     next_ask: float = 0.0
     warned: bool = False
 
     @property
     def question(self) -> _Question:
-        return self.getting if self.names else self.listing
+        return self.listing if self.groups is None else self.getting
 
     def request(self) -> Any:
-        return GetParameters.Request(names=self.names) if self.names else ListParameters.Request()
+        return ListParameters.Request() if self.groups is None else GetParameters.Request(names=self.groups[0])
+
+    def take(self, response: Any, asked: int) -> Snapshot | None:
+        """Take an answer to the present question; return the snapshot once it is whole."""
+        if self.groups is None:
+            names = sorted(set(response.result.names))
+            self.snapshot = Snapshot(self.node, asked)
+            self.groups = [names] if names else []
+        else:
+            self._take_values(self.groups.pop(0), response.values)
+        return None if self.groups else self.snapshot
+
+    def _take_values(self, names: list[str], values: Sequence[Any]) -> None:
+        if self.snapshot is None or self.groups is None:
+            return
+        if len(values) == len(names):
+            self.snapshot.values.update(values_of(names, values))
+        elif len(names) > 1:
+            # rclpy answers nothing at all if one of them has no value: it is found by halves, and left out.
+            half = len(names) // 2
+            self.groups[:0] = [names[:half], names[half:]]
 
     def close(self) -> None:
         self.listing.close()
@@ -165,13 +186,9 @@ class ParameterWatch:
     def _serve(self, inquiry: _Inquiry, now: float, wall_clock: int) -> None:
         answer = inquiry.question.answer()
         if answer is not None:
-            response, asked = answer
-            if inquiry.names:
-                self._finish(inquiry, snapshot_of(inquiry.node, asked, inquiry.names, response.values))
-                return
-            inquiry.names = sorted(set(response.result.names))
-            if not inquiry.names:
-                self._finish(inquiry, Snapshot(inquiry.node, asked))
+            snapshot = inquiry.take(*answer)
+            if snapshot is not None:
+                self._finish(inquiry, snapshot)
                 return
             inquiry.next_ask = now
         if now - inquiry.since > _PATIENCE and not inquiry.warned:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +10,10 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.exceptions import ParameterException
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 
-from dp_node import RING, Alarm, Health, health_with, raised
+from dp_node import Health
 from dp_node.health import to_status
+from dp_node.quality import Promise, offered
 from dp_tools.recorder import RECORDER_EARS
 from dp_tools.recorder.attachments import SCENARIO_ATTACHMENT, VESSEL_ATTACHMENT, vessel_document
 from dp_tools.recorder.bag_writer import BagWriter, Limits
@@ -23,6 +22,7 @@ from dp_tools.recorder.errors import RecordingRefusedError
 from dp_tools.recorder.parameter_snapshots import Snapshot, Snapshots
 from dp_tools.recorder.parameter_watch import ParameterWatch
 from dp_tools.recorder.recorder import Recorder
+from dp_tools.recorder.recorder_health import RecorderState, health_of
 from dp_tools.recorder.selection import PARAMETER_EVENTS, Selection
 from dp_tools.versions import VERSIONS_RECORD, versions
 from marine_model import load_vessel
@@ -58,7 +58,8 @@ class RecorderNode(Node):
         self.duration = self._declare("duration", 0.0, "Seconds until the recording ends; 0 for no limit", _LONGEST)
         regex = self._declare("regex", "", "Also topics in whose name this regular expression is found; empty: none")
         exclude = self._declare("exclude", "", "Never topics in whose name this is found; empty for none")
-        topics = self._declare_topics()
+        # An empty list would have no type in ROS.
+        topics = self._declare("topics", [""], "Topics to record, by name; empty for all")
         selection = Selection([topic for topic in topics if topic], regex, exclude, self.get_namespace())
         attachments = self._attachments()
         limits = Limits(round(size * 1e6), round(duration * 1e9))
@@ -83,7 +84,7 @@ class RecorderNode(Node):
 
         self.recorder = Recorder(self.ears, self.writer, selection, taps)
         self.watch = ParameterWatch(self.ears, selection.is_below, keep, self.get_logger().warning)
-        self._publisher = self.create_publisher(DiagnosticArray, "/diagnostics", RING)
+        self._publisher = self.create_publisher(DiagnosticArray, "/diagnostics", offered("/diagnostics", Promise()))
         self.create_timer(1.0, self.publish_health)
 
     def _declare(self, name: str, default: Any, description: str, limit: float | str = "") -> Any:
@@ -97,15 +98,6 @@ class RecorderNode(Node):
             return self.declare_parameter(name, default, descriptor).value
         except ParameterException as error:
             raise RecordingRefusedError(f"parameter {name}: {error}") from error
-
-    def _declare_topics(self) -> Sequence[str]:
-        descriptor = ParameterDescriptor(description="Topics to record, by name; empty for all", read_only=True)
-        try:
-            self.declare_parameter("topics", Parameter.Type.STRING_ARRAY, descriptor)
-        except ParameterException as error:
-            raise RecordingRefusedError(f"parameter topics: {error}") from error
-        found: Sequence[str] = self.get_parameter_or("topics", Parameter("topics", value=[""])).value
-        return found
 
     def _attachments(self) -> dict[str, bytes]:
         """Return files to attach by name. Raises DpError."""
@@ -121,32 +113,22 @@ class RecorderNode(Node):
 
     def health(self) -> Health:
         """Return what there is to say of the recording."""
-        lost = self.recorder.lost
-        values: dict[str, object] = {
-            "messages": self.writer.message_count,
-            "topics": len(self.recorder.counts),
-            "bytes": self.writer.size,
-            "files": self.writer.file_count,
-            "lost": sum(lost.values()),
-            **{f"lost {topic}": count for topic, count in lost.items()},
-        }
-        return health_with(self._alarms(), values, "recording")
-
-    def _alarms(self) -> list[Alarm]:
-        lost, silent, failed = self.recorder.lost, self.watch.silent, self.writer.failed
-        alarms = []
-        if failed is not None:
-            code = "RECORDER-DISK-FULL" if self.writer.disk_full else "RECORDER-WRITE-FAILED"
-            alarms.append(raised(code, str(failed)))
-        if lost:
-            alarms.append(raised("RECORDER-MESSAGES-LOST", f"on {', '.join(lost)}"))
-        if silent:
-            alarms.append(raised("RECORDER-PARAMETERS-MISSING", ", ".join(silent)))
-        return alarms
+        failed = self.writer.failed
+        state = RecorderState(
+            messages=self.writer.message_count,
+            topics=len(self.recorder.counts),
+            size=self.writer.size,
+            files=self.writer.file_count,
+            lost=self.recorder.lost,
+            silent=self.watch.silent,
+            failed="" if failed is None else str(failed),
+            disk_full=self.writer.disk_full,
+        )
+        return health_of(state)
 
     def publish_health(self) -> None:
         """Say on /diagnostics how it goes."""
-        message = DiagnosticArray(status=[to_status(self.get_name(), self.health())])
+        message = DiagnosticArray(status=[to_status(self.get_fully_qualified_name().lstrip("/"), self.health())])
         message.header.stamp = self.get_clock().now().to_msg()
         self._publisher.publish(message)
 

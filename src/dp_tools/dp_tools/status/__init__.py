@@ -1,0 +1,1 @@
+"""`dp status`: what vessel, thrusters and nodes are doing, on one screen."""

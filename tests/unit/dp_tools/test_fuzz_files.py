@@ -1,0 +1,36 @@
+"""Spoiled files of every kind: each is read or refused with an error of this project.
+
+DP_FUZZ_CASES says how many of each kind.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from support.file_fuzz import KINDS, outcome, spoiled
+
+CASES = int(os.environ.get("DP_FUZZ_CASES", "20"))
+
+
+@pytest.mark.timeout(60 + CASES)
+@pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind.seeds])
+def test_a_spoiled_file_is_read_or_refused(name: str, tmp_path: Path) -> None:
+    kind = KINDS[name]
+    refused = 0
+
+    @settings(max_examples=CASES, suppress_health_check=list(HealthCheck))
+    @given(st.sampled_from(kind.seeds), st.integers(0, 2**62))
+    def spoil(seed_file: Path, seed: int) -> None:
+        nonlocal refused
+        error = outcome(kind, spoiled(seed_file.read_bytes(), seed), tmp_path / f"file{kind.suffix}")
+        if error is not None:
+            refused += 1
+            assert str(error)
+
+    spoil()
+    assert refused, "spoiling has an effect"
