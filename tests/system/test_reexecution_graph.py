@@ -6,7 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from support.dp_command import dp, write_scenario
+from support.dp_command import LONGEST, dp, write_scenario
+
+# Two commands, each of which has LONGEST.
+pytestmark = pytest.mark.timeout(2 * LONGEST)
 
 # Short, with what is hard to put in order: changes of parameters and inputs of an operator between samples.
 FIELDS = {
