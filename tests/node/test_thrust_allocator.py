@@ -318,7 +318,8 @@ def test_deactivated_it_ramps_thrust_to_zero_says_what_is_left_and_comes_back_wi
     assert health["ignored_inputs"] == "0"
     # Parameters that change meanwhile hold from the activation on.
     assert bench.bench.set_parameters(thruster_enabled=[True, True, False, True]).successful
-    assert bench.ask(stamp := stamp + STEP, hard)[2].status == "deactivated"
+    _, _, status = bench.ask(stamp := stamp + STEP, hard)
+    assert status.status == "deactivated"
     before = bench.commands[-1]
     node.trigger_activate()
     for _ in range(20):

@@ -26,8 +26,7 @@ def test_the_last_change_stands_whenever_the_snapshot_was_taken(
 ) -> None:
     """The snapshot has what was so when it was asked for; changes may be heard before it comes."""
     kept, truth = LastParameters({"node": {"a": 0}}), {"a": 0, "b": 1, "c": 2}
-    for name, value in before:
-        truth[name] = value  # made before anybody listened
+    truth.update(before)  # made before anybody listened
     kept.expect_snapshot("node")
     snapshot = dict(truth)
     for name, value in meanwhile:
