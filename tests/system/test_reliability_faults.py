@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -174,7 +175,7 @@ def test_no_thruster_was_asked_for_a_step_beyond_its_rate(trial: Trial) -> None:
     fastest = float(np.max(load_vessel("cybership3").thrust_rate))
     steps = trial.rig.watch.read().steps
     assert len(steps) > 500
-    for (before, _), (stamp, step) in zip(steps, steps[1:], strict=False):
+    for (before, _), (stamp, step) in pairwise(steps):
         # 1e-6 N: sums of thrusts are rounded.
         if stamp > before:
             assert step <= fastest * (stamp - before) + 1e-6, f"at {stamp:.2f} s"

@@ -15,7 +15,7 @@ from marine_model.guards import FloatArray
 
 START = 60.0  # s of simulated time: by then the vessel holds its position
 END = 80.0  # the fault ends
-DURATION = 160.0
+DURATION = 220.0
 # What counts as recovered, as distance from the same voyage without a fault.
 BACK = 0.05  # m
 BACK_HEADING = np.radians(2.0)

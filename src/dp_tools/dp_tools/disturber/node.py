@@ -48,9 +48,7 @@ class DisturberNode(Node):
     def __init__(self) -> None:
         super().__init__("disturber")
         self.names = {
-            name: str(
-                self.declare_parameter(name, default, ParameterDescriptor(description=text, read_only=True)).value
-            )
+            name: self._fixed(name, default, text)
             for name, default, text in (
                 ("input", "pose_measured", "Topic that is listened to."),
                 ("output", "pose", "Topic that is published."),
@@ -67,6 +65,9 @@ class DisturberNode(Node):
         self._disturber.apply(parameters.current)
         self._publisher = self.create_publisher(kind, self.names["output"], RING_PUBLISHER)
         self.create_subscription(kind, self.names["input"], self._relay, RING_LOCKSTEP)
+
+    def _fixed(self, name: str, default: str, text: str) -> str:
+        return str(self.declare_parameter(name, default, ParameterDescriptor(description=text, read_only=True)).value)
 
     @property
     def told(self) -> str:
