@@ -481,7 +481,8 @@ def test_dp_record_takes_what_is_asked_for_and_splits(node: Node, tmp_path: Path
     with AnyReader([folder]) as reader:
         assert {c.topic for c in reader.connections} == {"/a", "/x/odo", "/parameter_events"}
         connections = [c for c in reader.connections if c.topic == "/a"]
-        found = [reader.deserialize(raw, c.msgtype).header.stamp.sec for c, _, raw in reader.messages(connections)]
+        messages: list[Any] = [reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages(connections)]
+        found = [message.header.stamp.sec for message in messages]
     assert found == list(range(1500))
 
 
