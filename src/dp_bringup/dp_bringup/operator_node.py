@@ -143,7 +143,8 @@ def operator(namespace: str = "", name: str = "") -> Iterator[Operator]:
     full = full_namespace(namespace)
     context = Context()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node(name or f"dp_operator_{os.getpid()}", context=context, namespace=full)
+    # Without a name of its own it is hidden: nobody's to talk to, and no part of a recording.
+    node = rclpy.create_node(name or f"_dp_operator_{os.getpid()}", context=context, namespace=full)
     one = Operator(node)
     try:
         yield one

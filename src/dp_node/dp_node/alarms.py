@@ -320,7 +320,7 @@ ALARMS = _table(
     ),
     _warn(
         "SIMULATOR-NO-SETPOINT",
-        "no actuator_setpoint: the motors keep the last one",
+        "no actuator_setpoint: the motors keep the last one until setpoint_timeout",
         "See whether the drivers run.",
     ),
     _warn(

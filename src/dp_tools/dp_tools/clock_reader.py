@@ -27,7 +27,8 @@ class ClockReader:
     def __init__(self, beside: Node) -> None:
         self._time = 0.0
         self._node = rclpy.create_node(
-            f"dp_clock_reader_{os.getpid()}",
+            # Hidden: nobody's to talk to.
+            f"_dp_clock_reader_{os.getpid()}",
             context=beside.context,
             namespace=beside.get_namespace(),
             start_parameter_services=False,
