@@ -94,7 +94,7 @@ class DisturberNode(Node):
     def _message(self, came: PoseSample, sent: PoseSample) -> Any:
         if sent is came:
             return came.payload
-        message = copy.deepcopy(sent.payload)
+        message: Any = copy.deepcopy(sent.payload)
         message.header.stamp = from_nanoseconds(sent.stamp)
         pose = self._inner(message)
         north, east, heading = sent.position
