@@ -130,6 +130,15 @@ def trend(at: FloatArray, values: FloatArray) -> Trend:
     return Trend(float(slope) * span, float(low) * span, float(high) * span, span)
 
 
+def rise(values: FloatArray) -> float:
+    """Return the median of the last tenth of ``values``, shape (n,), less that of the first tenth.
+
+    Growth that ends half way has a median slope of nearly nothing, and is growth all the same.
+    """
+    tenth = max(1, len(values) // 10)
+    return float(np.median(values[-tenth:]) - np.median(values[:tenth]))
+
+
 def after_warm_up(readings: Sequence[Reading], seconds: float) -> list[Reading]:
     """Return the readings of the time in which nothing may grow any more."""
     return [reading for reading in readings if reading.simulated >= _WARM_UP * seconds]
@@ -160,10 +169,10 @@ def measure_soak(plan: Plan) -> list[Result]:
         rows.append(
             Result(
                 name,
-                found.growth,
+                rise(values),
                 "MB",
                 aim=aim,
-                note=f"over {found.span:.0f} s after {at[0]:.0f} s of warm-up; 95 % interval {found.low:.2f} to "
+                note=f"slope {found.growth:.2f} MB over {found.span:.0f} s after {at[0]:.0f} s of warm-up; 95 % interval {found.low:.2f} to "
                 f"{found.high:.2f}; {values[0]:.1f} MB then, {values[-1]:.1f} MB in the end, "
                 f"{values.max():.1f} MB at most; {len(kept)} readings",
             )

@@ -174,7 +174,7 @@ def test_no_thruster_was_asked_for_a_step_beyond_its_rate(trial: Trial) -> None:
     """Over all that went before: what changes between two commands fits the time between them."""
     fastest = float(np.max(load_vessel("cybership3").thrust_rate))
     steps = trial.rig.watch.read().steps
-    assert len(steps) > 500
+    assert len(steps) > 50
     for (before, _), (stamp, step) in pairwise(steps):
         # 1e-6 N: sums of thrusts are rounded.
         if stamp > before:

@@ -14,7 +14,6 @@ import numpy as np
 from dp_node import SourceRestartError, StampSequence, from_nanoseconds
 from dp_observer import ObserverEstimate, ObserverInputs, ObserverStatus
 from dp_observer.lookahead import Lookahead
-from dp_observer.node_health import Tally, health_of
 from dp_observer.observer import Observer
 from dp_tools.disturber.disturber import Disturber, PoseSample
 from dp_tools.disturber.settings import DisturberSettings
@@ -28,7 +27,42 @@ from marine_model.settings import with_parameters
 
 REFUSED = "NODE-INPUT-REFUSED"
 RESTARTED = "NODE-SOURCE-RESTARTED"
+# As the observer's node reports them.
+_BY_STATUS = {
+    ObserverStatus.UNINITIALISED: "OBSERVER-NO-FIX-YET",
+    ObserverStatus.DEAD_RECKONING: "OBSERVER-DEAD-RECKONING",
+    ObserverStatus.OUTLIER_REFUSED: "OBSERVER-FIX-REFUSED",
+    ObserverStatus.INVALID: "OBSERVER-ESTIMATE-INVALID",
+    ObserverStatus.REINITIALISED: "OBSERVER-REINITIALISED",
+}
 _REPORT = 1_000_000_000  # ns between two reports of health, as on /diagnostics in real time
+
+
+@dataclass(slots=True)
+class _Second:
+    """What happened since the last report."""
+
+    status: ObserverStatus
+    poses: int = 0
+    missing: int = 0  # without a fix, refused as outliers, late, or made up for
+    refused: int = 0
+    reinitialised: bool = False
+    began_anew: bool = False
+
+    def codes(self) -> list[str]:
+        """Return the alarms of the report."""
+        found = [_BY_STATUS[self.status]] if self.status in _BY_STATUS else []
+        if self.reinitialised:
+            found.append(_BY_STATUS[ObserverStatus.REINITIALISED])
+        if not self.poses:
+            found.append("OBSERVER-NO-POSE")
+        elif self.missing:
+            found.append("OBSERVER-MEASUREMENTS-LOST")
+        if self.refused:
+            found.append(REFUSED)
+        if self.began_anew:
+            found.append(RESTARTED)
+        return found
 
 
 @dataclass(slots=True)
@@ -72,7 +106,6 @@ class DisturbedLoop(ClosedLoop):
     def __init__(self, vessel: Vessel, scenario: Scenario, faults: list[tuple[float, dict[str, object]]]) -> None:
         super().__init__(vessel, scenario)
         self.witness = Witness()
-        self._timeout = vessel.drivers.command_timeout
         self._sample_ns = round(vessel.measurement.sample_time * 1e9)
         self._disturber = Disturber(DisturberSettings(seed=scenario.seed))
         self._changes = [
@@ -80,15 +113,12 @@ class DisturbedLoop(ClosedLoop):
             for at, values in sorted(faults, key=lambda change: change[0])
         ]
         self._answer_stamp: int | None = None
-        self._tally = Tally()
-        self._fresh_refused = 0
-        self._began_anew = False
+        self._second = _Second(ObserverStatus.UNINITIALISED)
         self._begin()
 
     def _begin(self) -> None:
         self._ahead = Lookahead(Observer(self._vessel, self._observer.settings), self._sample_ns)
         self._stamps = StampSequence("pose", self._sample_ns * 1e-9)
-        self._tally = Tally()
 
     def _control(self, k: int) -> None:
         truth = self._simulator.truth()
@@ -99,13 +129,8 @@ class DisturbedLoop(ClosedLoop):
             self._report(k * self._step_ns * 1e-9)
 
     def _report(self, now: float) -> None:
-        codes = [alarm.kind.code for alarm in health_of(self._tally, self._timeout).alarms]
-        self._tally.reported()
-        if self._fresh_refused:
-            codes.append(REFUSED)
-        if self._began_anew:
-            codes.append(RESTARTED)
-        self._fresh_refused, self._began_anew = 0, False
+        codes = self._second.codes()
+        self._second = _Second(self._second.status)
         for code in codes:
             self.witness.alarms.setdefault(code, now)
 
@@ -125,12 +150,13 @@ class DisturbedLoop(ClosedLoop):
         if not observed:
             made = self._ahead.run_ahead(self._tau_achieved)
             if made is not None:
-                self._tally.ahead += 1
+                self._second.missing += 1
                 answer = made
         if answer is None:
             return None
         estimate, stamp = answer
-        self._tally.estimated(estimate.status, estimate.time_since_measurement)
+        self._second.status = estimate.status
+        self._second.reinitialised |= estimate.status is ObserverStatus.REINITIALISED
         before, self._answer_stamp = self._answer_stamp, stamp
         dt = elapsed if before is None or stamp <= before else (stamp - before) * 1e-9
         return estimate, dt, stamp
@@ -142,12 +168,12 @@ class DisturbedLoop(ClosedLoop):
             self._stamps.step(stamp, 0.0)
         except SourceRestartError:
             self._begin()
-            self._began_anew = True
+            self._second.began_anew = True
             self._stamps.step(stamp, 0.0)
         except InputError:
             self._refuse()
             return False, None
-        self._tally.poses += 1
+        self._second.poses += 1
         position: FloatArray | None = None
         if np.isfinite(sent.position).all():
             north, east, heading = sent.position
@@ -156,16 +182,16 @@ class DisturbedLoop(ClosedLoop):
             position = np.array([north, east, quaternion_to_heading(sign * x, sign * y, sign * z, sign * w)])
         else:
             self._refuse()
-            self._tally.without_fix += 1
+            self._second.missing += 1
         newest = self._ahead.stamp
         estimate = self._ahead.measure(ObserverInputs(position, self._tau_achieved), sent.stamp)
         if estimate.status is ObserverStatus.OUTLIER_REFUSED:
-            self._tally.outliers += 1
+            self._second.missing += 1
         if newest is not None and sent.stamp <= newest:
-            self._tally.late += 1
+            self._second.missing += 1
             return True, None
         return True, (estimate, sent.stamp)
 
     def _refuse(self) -> None:
         self.witness.refused += 1
-        self._fresh_refused += 1
+        self._second.refused += 1
