@@ -172,9 +172,9 @@ def measure_soak(plan: Plan) -> list[Result]:
                 rise(values),
                 "MB",
                 aim=aim,
-                note=f"slope {found.growth:.2f} MB over {found.span:.0f} s after {at[0]:.0f} s of warm-up; 95 % interval {found.low:.2f} to "
-                f"{found.high:.2f}; {values[0]:.1f} MB then, {values[-1]:.1f} MB in the end, "
-                f"{values.max():.1f} MB at most; {len(kept)} readings",
+                note=f"slope {found.growth:.2f} MB over {found.span:.0f} s after {at[0]:.0f} s of warm-up; 95 % "
+                f"interval {found.low:.2f} to {found.high:.2f}; {values[0]:.1f} MB then, "
+                f"{values[-1]:.1f} MB in the end, {values.max():.1f} MB at most; {len(kept)} readings",
             )
         )
     middle = (at[1:] + at[:-1]) / 2.0
