@@ -7,14 +7,13 @@ from dp_node.health import Health, health_with
 from dp_node.inbox import Inbox, WaitingRoom
 from dp_node.level import Level
 from dp_node.node import DpNode
-from dp_node.quality import LATCHED, RING, RING_LOCKSTEP, RING_PUBLISHER
+from dp_node.quality import RING, RING_LOCKSTEP, RING_PUBLISHER
 from dp_node.ring_node import RingNode
 from dp_node.run import run_node, run_nodes
 from dp_node.stamps import SourceRestartError, StampSequence, from_nanoseconds, seconds_between, to_nanoseconds
 
 __all__ = [
     "ALARMS",
-    "LATCHED",
     "RING",
     "RING_LOCKSTEP",
     "RING_PUBLISHER",

@@ -134,6 +134,11 @@ ALARMS = _table(
         "Compare the position references; if the fix is right, wait until the observer takes it.",
     ),
     _warn(
+        "OBSERVER-FIX-FROZEN",
+        "the position fix stands still to the last bit while its stamps go on",
+        "Distrust this position reference: see whether it measures; take manual control if the vessel drifts.",
+    ),
+    _warn(
         "OBSERVER-MEASUREMENTS-LOST",
         "measurements of position are missing or late",
         "See the position reference, its link, and the load of the machine.",

@@ -36,10 +36,11 @@ RING_PUBLISHER = QoSProfile(
 # The listening side in lockstep: one message that is sent before its reader is matched, and the ring stands still.
 RING_LOCKSTEP = RING_PUBLISHER
 
-# Operator inputs and states that a late joiner must still see.
-LATCHED = QoSProfile(
+# Reports once a second: a late reader wants the last one. What a publisher keeps, it holds in memory: with the depth of
+# the ring a node grew for the first thousand seconds.
+REPORTS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
-    depth=1,
+    depth=10,
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
@@ -99,7 +100,7 @@ TOPICS: Mapping[str, TopicQuality] = MappingProxyType(
         "truth": _TOLD,
         "environment_force": _TOLD,
         "propulsion_truth": _TOLD,
-        "/diagnostics": _TOLD,
+        "/diagnostics": TopicQuality(REPORTS),
     }
 )
 

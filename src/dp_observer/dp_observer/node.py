@@ -12,6 +12,7 @@ from nav_msgs.msg import Odometry
 
 from dp_node import AnswerGate, Health, RingNode, StampSequence, run_node, seconds_between, to_nanoseconds
 from dp_observer.estimate import ObserverEstimate, ObserverInputs, ObserverStatus
+from dp_observer.frozen_fix import FrozenFix
 from dp_observer.lookahead import Lookahead
 from dp_observer.node_health import Tally, health_of, status_alarm, status_text
 from dp_observer.node_messages import is_fix, require_frame, to_odometry, to_position, to_state, to_tau
@@ -72,6 +73,7 @@ class ObserverNode(RingNode[ObserverSettings]):
         self._tau: FloatArray = np.zeros(3)
         self._due = 0  # ns of the node's clock: when the watchdog acts
         self._tally = Tally()
+        self._frozen = FrozenFix(self.vessel)
         self._first_pose: int | None = None  # ns
 
     def _on_tau(self, message: Any) -> None:
@@ -102,6 +104,10 @@ class ObserverNode(RingNode[ObserverSettings]):
                 self.refuse(f"pose: {error}")
         if position is None:
             self._tally.without_fix += 1
+        else:
+            self._frozen.note(position)
+            self._tally.equal_fixes = self._frozen.count
+            self._tally.frozen = self._frozen.is_frozen(self.settings)
         newest = self._lookahead.stamp
         estimate = self._lookahead.measure(ObserverInputs(position, self._tau_at(stamp)), stamp)
         self._due = self._now() + round(_PATIENCE * self._sample)

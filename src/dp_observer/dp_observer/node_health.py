@@ -35,6 +35,8 @@ class Tally:
         Poses that wait for the answer to the sample before.
     reinitialised
         Whether the position was set anew since the last report.
+    equal_fixes, frozen
+        Fixes in a row that equal the one before, and whether these are too many.
     """
 
     status: ObserverStatus = ObserverStatus.UNINITIALISED
@@ -47,6 +49,8 @@ class Tally:
     force_age: float = 0.0
     held: int = 0
     reinitialised: bool = False
+    equal_fixes: int = 0
+    frozen: bool = False
     _reported: tuple[int, int, int, int, int] = (0, 0, 0, 0, 0)
 
     def fresh(self) -> tuple[int, int, int, int, int]:
@@ -96,6 +100,7 @@ def health_of(tally: Tally, force_limit: float) -> Health:
         "late_poses": tally.late,
         "estimates_without_pose": tally.ahead,
         "poses_held": tally.held,
+        "equal_fixes": tally.equal_fixes,
         "tau_achieved_age_s": tally.force_age,
     }
     poses, without_fix, outliers, late, ahead = tally.fresh()
@@ -111,6 +116,8 @@ def health_of(tally: Tally, force_limit: float) -> Health:
         counts = {"without fix": without_fix, "refused as outliers": outliers, "late": late, "made up for": ahead}
         told = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
         alarms.append(raised("OBSERVER-MEASUREMENTS-LOST", f"{told}, beside {poses} poses"))
+    if poses and tally.frozen:
+        alarms.append(raised("OBSERVER-FIX-FROZEN", f"{tally.equal_fixes} times the same"))
     if poses and tally.force_age > force_limit:
         alarms.append(raised("OBSERVER-NO-TAU-ACHIEVED", f"for {tally.force_age:.1f} s"))
     return health_with(alarms, values, _CALM.get(tally.status, "nominal"))

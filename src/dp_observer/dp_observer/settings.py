@@ -38,3 +38,10 @@ class ObserverSettings(Settings):
         ge=1,
         le=1000,
     )
+    frozen_count: int = setting(
+        10,
+        "Fixes in a row equal to the last bit after which the position reference is said to stand still; 0 for never. "
+        "Not for a vessel whose references have no noise.",
+        ge=0,
+        le=100_000,
+    )

@@ -83,3 +83,11 @@ def test_thrust_that_is_not_told_is_taken_for_none() -> None:
     health = health_of(sailed(force_age=1.4), LIMIT)
     assert (codes(health), health.level) == (["OBSERVER-NO-TAU-ACHIEVED"], Level.WARN)
     assert health.message == "no tau_achieved: the estimate knows of no thrust: for 1.4 s"
+
+
+def test_a_fix_that_stands_still_is_told_while_poses_come() -> None:
+    health = health_of(sailed(equal_fixes=12, frozen=True), LIMIT)
+    assert codes(health) == ["OBSERVER-FIX-FROZEN"]
+    assert health.alarms[0].detail == "12 times the same"
+    assert health.values["equal_fixes"] == 12
+    assert codes(health_of(sailed(poses=0, equal_fixes=12, frozen=True), LIMIT)) == ["OBSERVER-NO-POSE"]

@@ -13,6 +13,7 @@ import numpy as np
 
 from dp_node import SourceRestartError, StampSequence, from_nanoseconds
 from dp_observer import ObserverEstimate, ObserverInputs, ObserverStatus
+from dp_observer.frozen_fix import FrozenFix
 from dp_observer.lookahead import Lookahead
 from dp_observer.observer import Observer
 from dp_tools.disturber.disturber import Disturber, PoseSample
@@ -47,6 +48,7 @@ class _Second:
     missing: int = 0  # without a fix, refused as outliers, late, or made up for
     refused: int = 0
     reinitialised: bool = False
+    frozen: bool = False
     began_anew: bool = False
 
     def codes(self) -> list[str]:
@@ -58,6 +60,8 @@ class _Second:
             found.append("OBSERVER-NO-POSE")
         elif self.missing:
             found.append("OBSERVER-MEASUREMENTS-LOST")
+        if self.poses and self.frozen:
+            found.append("OBSERVER-FIX-FROZEN")
         if self.refused:
             found.append(REFUSED)
         if self.began_anew:
@@ -119,6 +123,7 @@ class DisturbedLoop(ClosedLoop):
     def _begin(self) -> None:
         self._ahead = Lookahead(Observer(self._vessel, self._observer.settings), self._sample_ns)
         self._stamps = StampSequence("pose", self._sample_ns * 1e-9)
+        self._frozen = FrozenFix(self._vessel)
 
     def _control(self, k: int) -> None:
         truth = self._simulator.truth()
@@ -180,6 +185,8 @@ class DisturbedLoop(ClosedLoop):
             sign = -1.0 if sent.other_cover else 1.0
             x, y, z, w = heading_to_quaternion(heading)
             position = np.array([north, east, quaternion_to_heading(sign * x, sign * y, sign * z, sign * w)])
+            self._frozen.note(position)
+            self._second.frozen = self._frozen.is_frozen(self._observer.settings)
         else:
             self._refuse()
             self._second.missing += 1
