@@ -449,20 +449,5 @@ class Allocator:
 class _Twin(Allocator):
     """An allocator that is stepped once and thrown away."""
 
-    def fade(self, time: float) -> None:
-        """Let thrusts go towards zero at their rates for ``time`` (s), as drivers do that get no commands.
-
-        Raises
-        ------
-        InputError
-            If ``time`` is not a number above 0.
-        """
-        time = positive_number("time", time)
-        self._before = self._before.copy()
-        thrust = self._before[:, Command.THRUST]
-        self._before[:, Command.THRUST] = np.sign(thrust) * np.maximum(
-            np.abs(thrust) - self._vessel.thrust_rate * time, 0.0
-        )
-
     def _rehearse(self) -> None:
         """Have none of its own."""
