@@ -15,7 +15,7 @@ from benchmarks.statistics import summarize
 from dp_bringup.operator_node import operator
 from dp_bringup.processes import Children
 from dp_bringup.workspace import executable
-from dp_node import LATCHED
+from dp_node import RING_PUBLISHER
 from marine_model.errors import DpError
 
 _SECONDS = 60.0
@@ -43,7 +43,7 @@ def _start(plan: Plan, name: str, options: list[str]) -> float:
 
     with operator() as one:
         one.watch = children.check
-        one.node.create_subscription(PoseWithCovarianceStamped, "pose", note, LATCHED)
+        one.node.create_subscription(PoseWithCovarianceStamped, "pose", note, RING_PUBLISHER)
         begin = time.perf_counter()
         try:
             # At the pace of a clock: nobody has to keep up with it while it is stopped.

@@ -35,7 +35,7 @@ from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 from std_msgs.msg import String
 
-from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
 from dp_bringup.workspace import executable
 from dp_node import RING, Level
 from dp_tools.recorder.quality import DEPTH, matching_quality

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from rcl_interfaces.msg import ParameterType
 
-from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
 from dp_controller.node import ControllerNode
 from dp_node.parameters import describe
 from dp_observer.node import ObserverNode

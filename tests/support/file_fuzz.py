@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
 from dp_tools.open_water.load import load_trial
 from dp_tools.scenario import load_scenario
 from marine_model import load_vessel

@@ -12,7 +12,7 @@ from typing import Any, Self
 
 import psutil
 
-from dp_bringup.parameter_service import to_parameter_file
+from dp_bringup.parameter_file import to_parameter_file
 from dp_bringup.processes import Child, Children
 from dp_bringup.workspace import executable
 from dp_tools.run_files import Pace, start_parameters

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 
-import dp_node
 from dp_node import RING, RING_PUBLISHER
 from dp_tools.recorder.bag_metadata import TopicInfo
 from dp_tools.recorder.bag_writer import BagWriter
@@ -23,7 +23,7 @@ CLOCK = "rosgraph_msgs/msg/Clock"
 _UNTOLD: dict[str, Any] = {"history": "unknown", "depth": 0}
 RELIABLE = {**describe_quality(RING), **_UNTOLD}
 RING_TOLD = {**describe_quality(RING_PUBLISHER), **_UNTOLD}
-LATCHED = describe_quality(dp_node.LATCHED)
+LATCHED = describe_quality(QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
 
 Message = tuple[str, float, Any]
 

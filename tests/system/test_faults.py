@@ -73,24 +73,17 @@ def test_a_node_that_is_killed_stops_the_run_and_is_named(scenario: Path, node: 
     check_bag(scenario.parent / "run" / "bag")
 
 
-def test_a_node_that_cannot_start_is_named_with_its_reason(tmp_path: Path) -> None:
-    """Settings that only the node itself can judge: the vessel has four thrusters."""
-    scenario = write_scenario(
-        tmp_path, 4.0, events=[], parameters={"thrust_allocator": {"thruster_enabled": [True, True]}}
-    )
-    with DpProcess("up", "--scenario", scenario, "--lockstep", "--output", tmp_path / "run") as process:
-        assert process.wait() == 1
-        assert "error: thrust_allocator ended by itself (exit code 1)" in process.output
-        assert "thruster_enabled: expected 4 elements" in process.output
-        assert str(tmp_path / "run" / "logs" / "thrust_allocator.log") in process.output
-
-
-def test_an_event_that_a_node_refuses_ends_the_run(tmp_path: Path) -> None:
-    refused = {"at": 1.0, "parameters": {"thrust_allocator": {"thruster_enabled": [True, True]}}}
-    scenario = write_scenario(tmp_path, 4.0, events=[refused])
+@pytest.mark.parametrize("when", ["start", "event"])
+def test_what_a_node_would_refuse_is_refused_before_anything_starts(when: str, tmp_path: Path) -> None:
+    """The vessel has four thrusters."""
+    refused = {"thrust_allocator": {"thruster_enabled": [True, True]}}
+    how = {"events": [], "parameters": refused} if when == "start" else {"events": [{"at": 1.0, "parameters": refused}]}
+    scenario = write_scenario(tmp_path, 4.0, **how)
     code, output = dp("up", "--scenario", scenario, "--lockstep", "--composed", "--output", tmp_path / "run")
     assert code == 1
-    assert "error: node thrust_allocator: thruster_enabled: expected 4 elements" in output
+    where = "parameters" if when == "start" else "events.0.parameters"
+    assert f"{where}.thrust_allocator.thruster_enabled: expected 4 elements" in output
+    assert not (tmp_path / "run" / "logs").exists()
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,8 @@ import yaml
 from dp_msgs.msg import AllocationStatus, ControllerStatus
 
 from dp_bringup.operator_node import Operator, operator
-from dp_bringup.parameter_service import ParameterRefusedError, RemoteParameters, read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
+from dp_bringup.parameter_service import ParameterRefusedError, RemoteParameters
 from dp_node import RING
 from dp_tools.node_settings import default_settings
 from marine_model import load_vessel

@@ -75,7 +75,7 @@ def test_a_bag_of_a_run_in_process_is_that_of_the_graph(sailed: tuple[Path, str]
     assert set(differences(read_bag(own).run, graph.run).values()) == {0.0}
     of_graph, of_run = (_topics(path) for path in (folder / "trial" / "bag", own))
     assert {name: of_graph[name] for name in of_run} == of_run
-    nowhere_logged = {"/diagnostics", "/rosout", "/parameter_events", "/environment_force"}
+    nowhere_logged = {"/diagnostics", "/rosout", "/environment_force"}
     assert {name for name in set(of_graph) - set(of_run) if not name.endswith("/transition_event")} == nowhere_logged
     messages, own_messages = messages_by_topic(folder / "trial" / "bag"), messages_by_topic(own)
     for topic in ("/tau_desired", "/tau_achieved", "/thruster_command", "/propulsion_truth", "/clock"):

@@ -13,7 +13,7 @@ from dp_bringup.graph_lock import graph_lock
 from dp_bringup.graph_nodes import NODES, START_SECONDS, is_there, present, unheard, wait_until_active
 from dp_bringup.interrupts import Interrupts
 from dp_bringup.operator_node import Operator, operator
-from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
 from dp_bringup.processes import Child, Children
 from dp_bringup.supervisor import SUPERVISOR, Rules, Supervisor, plan_units
 from dp_bringup.workspace import executable, share

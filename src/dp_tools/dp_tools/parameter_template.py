@@ -5,7 +5,7 @@ from __future__ import annotations
 import typing
 from collections.abc import Iterator
 
-from dp_bringup.parameter_service import yaml_value
+from dp_bringup.parameter_file import yaml_value
 from dp_node.parameters import limits, parameter_field
 from dp_tools.node_settings import declared_settings
 from marine_model import Vessel

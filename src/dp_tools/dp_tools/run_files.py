@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from dp_bringup.parameter_service import to_parameter_file
+from dp_bringup.parameter_file import to_parameter_file
 from dp_bringup.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
 from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario

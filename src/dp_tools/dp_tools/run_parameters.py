@@ -6,11 +6,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from rcl_interfaces.msg import ParameterType
 
-from dp_bringup.parameter_service import to_parameter_file
+from dp_bringup.parameter_file import to_parameter_file
 from dp_bringup.workspace import RING_PACKAGES
-from dp_node.parameters import describe
 from dp_tools.node_settings import ALLOCATOR, SIMULATOR
 from dp_tools.recorder.attachments import parameters_attachment
 from dp_tools.scenario import Event, Scenario
@@ -24,16 +22,13 @@ _LIKE: dict[str, dict[str, Any]] = {
     SIMULATOR: {"lockstep": True, "rate": 0.0, "hold": True},
     ALLOCATOR: {"initial_azimuth": "vessel"},
 }
-# Field of rcl_interfaces/msg/ParameterValue by type.
-_FIELDS = {
-    ParameterType.PARAMETER_BOOL: "bool_value",
-    ParameterType.PARAMETER_INTEGER: "integer_value",
-    ParameterType.PARAMETER_DOUBLE: "double_value",
-    ParameterType.PARAMETER_STRING: "string_value",
-    ParameterType.PARAMETER_BOOL_ARRAY: "bool_array_value",
-    ParameterType.PARAMETER_INTEGER_ARRAY: "integer_array_value",
-    ParameterType.PARAMETER_DOUBLE_ARRAY: "double_array_value",
-    ParameterType.PARAMETER_STRING_ARRAY: "string_array_value",
+# Number and field of a value in rcl_interfaces/msg/ParameterValue, by type: of one, and of a sequence.
+_ONE = {bool: (1, "bool_value"), int: (2, "integer_value"), float: (3, "double_value"), str: (4, "string_value")}
+_MANY = {
+    bool: (6, "bool_array_value"),
+    int: (7, "integer_array_value"),
+    float: (8, "double_array_value"),
+    str: (9, "string_array_value"),
 }
 _ARRAYS = {
     "byte_array_value": np.uint8,
@@ -57,28 +52,25 @@ def parameter_attachments(vessel: Vessel, scenario: Scenario) -> dict[str, bytes
     return files
 
 
-def parameter_changes(vessel: Vessel, scenario: Scenario) -> Iterator[tuple[Event, str, dict[str, tuple[int, Any]]]]:
-    """Yield event, node, and ROS type and value by name of the parameters that the event changes, in order."""
+def parameter_changes(vessel: Vessel, scenario: Scenario) -> Iterator[tuple[Event, str, dict[str, Any]]]:
+    """Yield event, node, and value by name of the parameters that the event changes, in order."""
     settings: dict[str, Settings] = scenario.settings(vessel)
     for event in scenario.events:
         for node, changes in event.parameters.items():
             settings[node] = with_parameters(settings[node], changes)
             values = parameters_of(settings[node])
-            model = type(settings[node])
-            yield event, node, {name: (describe(model, name).type, values[name]) for name in changes}
+            yield event, node, {name: values[name] for name in changes}
 
 
-def parameter_event(types: Mapping[str, Any], stamp: int, node: str, values: Mapping[str, tuple[int, Any]]) -> Any:
+def parameter_event(types: Mapping[str, Any], stamp: int, node: str, values: Mapping[str, Any]) -> Any:
     """Return the message with which a node tells of a change; ``types`` are rosbags' message classes by name."""
     sec, nanosec = divmod(stamp, 1_000_000_000)
-    changed = [
-        types["rcl_interfaces/msg/Parameter"](name, _value(types, kind, value))
-        for name, (kind, value) in values.items()
-    ]
+    changed = [types["rcl_interfaces/msg/Parameter"](name, _value(types, value)) for name, value in values.items()]
     return types[PARAMETER_EVENT](types["builtin_interfaces/msg/Time"](sec, nanosec), f"/{node}", [], changed, [])
 
 
-def _value(types: Mapping[str, Any], kind: int, value: Any) -> Any:
+def _value(types: Mapping[str, Any], value: Any) -> Any:
+    kind, name = _form(value)
     fields: dict[str, Any] = {
         "type": kind,
         "bool_value": False,
@@ -88,9 +80,19 @@ def _value(types: Mapping[str, Any], kind: int, value: Any) -> Any:
         "string_array_value": [],
     }
     fields |= {name: np.zeros(0, dtype=form) for name, form in _ARRAYS.items()}
-    name = _FIELDS[kind]
-    fields[name] = np.array(value, dtype=_ARRAYS[name]) if name in _ARRAYS else _plain(value)
+    if value is not None:
+        fields[name] = np.array(value, dtype=_ARRAYS[name]) if name in _ARRAYS else _plain(value)
     return types["rcl_interfaces/msg/ParameterValue"](**fields)
+
+
+def _form(value: Any) -> tuple[int, str]:
+    """Return number and field of a value; a setting that is left unset has none."""
+    if value is None:
+        return 0, "bool_value"
+    if isinstance(value, tuple):
+        # An empty one has no type of its own; such parameters are numbers.
+        return _MANY[type(value[0]) if value else float]
+    return _ONE[type(value)]
 
 
 def _plain(value: Any) -> Any:

@@ -261,6 +261,8 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         wrench = message.wrench
         result = self._core.step((wrench.force.x, wrench.force.y, wrench.torque.z), dt)
         if self._resting:
+            if result.status is Status.DEMAND_NOT_FINITE:
+                self.refuse(result.message)
             result = self._as_resting(result)
         self._publish(stamp, result)
         self._commanded = to_nanoseconds(stamp), result.thrust, result.azimuth

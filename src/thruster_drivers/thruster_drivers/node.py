@@ -17,11 +17,9 @@ from marine_model.frames import BODY_FRAME
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 from thruster_drivers.command import CommandReader, ThrusterCommand
-from thruster_drivers.drivers import COMMAND_STALE, NO_COMMAND, DriverInputs, DriverOutput, Drivers
+from thruster_drivers.drivers import SENSOR_LOST, DriverInputs, DriverOutput, Drivers
 from thruster_drivers.node_health import Tally, health_of, status_alarm
 from thruster_drivers.settings import DriverSettings, check_settings
-
-_WITHOUT_COMMAND = (NO_COMMAND, COMMAND_STALE)
 
 
 class DriversNode(RingNode[DriverSettings]):
@@ -131,11 +129,12 @@ class DriversNode(RingNode[DriverSettings]):
                 self._tally.ventilated.update([name for name, flag in zip(self._names, flags, strict=True) if flag])
         if output.status != self._tally.status:
             self._report(output)
-        if output.status in _WITHOUT_COMMAND and not np.isfinite((shaft_speed, azimuth)).all():
-            # Nothing is made of it without a command, but a sensor that is lost is to be known of before there is one.
+        if output.status != SENSOR_LOST and not np.isfinite((shaft_speed, torque, azimuth)).all():
+            # Nothing is made of it without a command, of torque without detection, but a sensor that is lost is to be
+            # known of before it is needed.
             self.refuse(
-                f"thruster_feedback: expected finite numbers, found shaft speeds {shaft_speed.tolist()} and "
-                f"azimuths {azimuth.tolist()}"
+                f"thruster_feedback: expected finite numbers, found shaft speeds {shaft_speed.tolist()}, torques "
+                f"{torque.tolist()} and azimuths {azimuth.tolist()}"
             )
 
     def _report(self, output: DriverOutput) -> None:

@@ -9,6 +9,8 @@ from pydantic import model_validator
 from marine_model.settings import setting
 from vessel_sim.settings import SimulatorSettings
 
+_SLOWEST = 1e-6  # a step of the simulator then takes hours; below, no timer can tell its time
+
 
 class NodeSettings(SimulatorSettings):
     """Settings of the core, and how time goes."""
@@ -21,6 +23,7 @@ class NodeSettings(SimulatorSettings):
         "Simulated seconds a wall second; 1 is real time, 0 as fast as the ring answers (lockstep only)",
         unit="1",
         ge=0.0,
+        le=1e6,
     )
     hold: bool = setting(False, "Stand still until the service ~/advance says how far to sail", read_only=True)
     lockstep_timeout: float = setting(
@@ -46,4 +49,6 @@ class NodeSettings(SimulatorSettings):
     def _time_goes_on(self) -> Self:
         if self.rate == 0.0 and not self.lockstep:
             raise ValueError("rate: expected above 0 unless lockstep is on, found 0.0")
+        if 0.0 < self.rate < _SLOWEST:
+            raise ValueError(f"rate: expected 0 or at least {_SLOWEST:g}, found {self.rate:g}")
         return self

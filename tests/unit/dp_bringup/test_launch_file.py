@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
 from dp_tools.node_settings import default_settings
 from marine_model import load_vessel
 from marine_model.settings import parameters_of, with_parameters

@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcl_interfaces.msg import ParameterType
 
-from dp_bringup.parameter_service import _fit, read_parameter_file, to_parameter_file
+from dp_bringup.parameter_file import read_parameter_file, to_parameter_file
+from dp_bringup.parameter_service import _fit
 from marine_model.errors import DocumentError
 from marine_model.yaml_document import parse_value
 

@@ -9,7 +9,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dp_bringup.parameter_service import read_parameter_file, to_parameter_file
+from dp_bringup.parameter_file import read_parameter_file, to_parameter_file
 from dp_bringup.supervisor.last_parameters import LastParameters
 from dp_bringup.supervisor.life_cycle import Aim, Step, next_step
 from dp_bringup.supervisor.policy import Action, Policy

@@ -10,7 +10,7 @@ import pytest
 from rcl_interfaces.msg import ParameterType
 from typer.testing import CliRunner
 
-from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
 from dp_node.parameters import describe, limits, parameter_field
 from dp_tools.commands.parameters import parameters_app
 from dp_tools.node_settings import changed_settings, declared_settings

@@ -11,7 +11,7 @@ from rcl_interfaces.msg import ParameterEvent, ParameterType, ParameterValue
 from rclpy.parameter import Parameter
 from rclpy.serialization import serialize_message
 
-from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
 from dp_tools.recorder.parameter_snapshots import Snapshot, Snapshots, values_of
 
 VALUES: dict[str, Any] = {

@@ -10,7 +10,7 @@ import pytest
 from rclpy.duration import Infinite
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from dp_node import LATCHED, RING_PUBLISHER
+from dp_node import RING_PUBLISHER
 from dp_tools.bags.errors import BagError
 from dp_tools.recorder.quality import describe_quality
 from dp_tools.replay.keyboard import Keyboard, keys_in
@@ -18,6 +18,8 @@ from dp_tools.replay.quality import replayed_quality
 from dp_tools.replay.selection import Selection, parse_remap
 
 THERE = ["/pose", "/odometry", "/diagnostics", "/vessel_sim/transition_event"]
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @pytest.mark.parametrize(

@@ -140,7 +140,8 @@ def test_every_message_is_one_of_rosbags_own(bag: Path) -> None:
     )  # fmt: skip
     at_feedback = ("thruster_feedback", "actuator_setpoint", "ventilation", "clock")
     expected = {f"/{name}": samples for name in at_sample} | {f"/{name}": feedbacks for name in at_feedback}
-    assert counts == expected | {"/setpoint": 1, "/joystick": 1, "/path": 1}
+    # The operator changed parameters of two nodes, twice each.
+    assert counts == expected | {"/setpoint": 1, "/joystick": 1, "/path": 1, "/parameter_events": 4}
 
 
 def test_messages_say_what_nodes_say(bag: Path, vessel: Vessel) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
 from dp_tools.run_files import Pace, start_parameters, write_start_parameters
 from dp_tools.run_folder import FolderError, RunFolder
 from dp_tools.scenario import load_scenario

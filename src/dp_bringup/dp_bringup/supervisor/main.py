@@ -16,7 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from dp_bringup.graph_lock import graph_lock
 from dp_bringup.interrupts import Interrupts
-from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
 from dp_bringup.processes import Children
 from dp_bringup.supervisor.rules import Rules
 from dp_bringup.supervisor.supervisor import SUPERVISOR, Supervisor

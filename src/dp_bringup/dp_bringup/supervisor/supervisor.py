@@ -15,7 +15,7 @@ from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 from std_srvs.srv import Trigger
 
-from dp_bringup.parameter_service import to_parameter_file
+from dp_bringup.parameter_file import to_parameter_file
 from dp_bringup.processes import Child, Children, explain_exit
 from dp_bringup.supervisor.bring_up import BringUp, NodeBringUp
 from dp_bringup.supervisor.last_parameters import LastParameters

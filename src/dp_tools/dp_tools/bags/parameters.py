@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
 from dp_tools.bags.bag import Bag
 from dp_tools.bags.decode import TopicDecoder
 

@@ -11,7 +11,7 @@ import numpy as np
 from mcap.records import Attachment, Metadata
 from numpy.typing import NDArray
 
-from dp_bringup.parameter_service import to_parameter_file
+from dp_bringup.parameter_file import to_parameter_file
 from dp_tools.bags.bag import Bag
 from dp_tools.bags.copy import BagCopy, custom_data
 from dp_tools.bags.parameters import EVENTS, FOLDER, parameters_at

@@ -14,12 +14,8 @@ from rich.table import Table
 
 from dp_bringup.graph_nodes import ANNOUNCEMENT_SECONDS, NODES, present
 from dp_bringup.operator_node import NoAnswerError, Operator, operator
-from dp_bringup.parameter_service import (
-    RemoteParameters,
-    read_parameter_file,
-    to_parameter_file,
-    yaml_value,
-)
+from dp_bringup.parameter_file import read_parameter_file, to_parameter_file, yaml_value
+from dp_bringup.parameter_service import RemoteParameters
 from dp_tools.commands.root import Namespace, console
 from dp_tools.parameter_template import parameter_template
 from marine_model import load_vessel

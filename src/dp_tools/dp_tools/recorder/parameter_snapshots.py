@@ -10,7 +10,7 @@ from rcl_interfaces.msg import ParameterEvent, ParameterType
 from rclpy.parameter import parameter_value_to_python
 from rclpy.serialization import deserialize_message
 
-from dp_bringup.parameter_service import to_parameter_file
+from dp_bringup.parameter_file import to_parameter_file
 from dp_tools.recorder.attachments import parameters_attachment
 
 _HIDDEN = frozenset({"start_type_description_service"})

@@ -25,6 +25,7 @@ from rclpy.time import Time
 
 from dp_bringup.composed import node_factory
 from dp_node import DpNode
+from dp_node.quality import TOPICS
 from dp_tools.reexecution.canonical import canonical
 from dp_tools.reexecution.recording import Recorded
 
@@ -117,11 +118,12 @@ class Timer:
 
 
 class Mouth(SimpleManagedEntity):
-    """One publisher of the node: what is published while the node is active is caught."""
+    """One publisher of the node: what it publishes is caught, of a managed one while the node is active."""
 
-    def __init__(self, wires: Wires, kind: Any, topic: str, managed: bool) -> None:
+    def __init__(self, wires: Wires, kind: Any, topic: str, compared: bool, managed: bool) -> None:
         super().__init__()
-        self._wires, self.kind, self._topic, self._managed = wires, kind, topic, managed
+        self._wires, self.kind, self._topic = wires, kind, topic
+        self._compared, self._managed = compared, managed
 
     @property
     def topic_name(self) -> str:
@@ -130,7 +132,7 @@ class Mouth(SimpleManagedEntity):
 
     def publish(self, message: Any) -> None:
         """Catch a message as it is now: a node may use it again."""
-        if self._managed and self.is_activated:
+        if self._compared and (self.is_activated or not self._managed):
             data, form = serialize_message(message), canonical(message)
             self._wires.caught.append(Caught(self._topic, data, form, self._wires.time, self._wires.cause))
 
@@ -204,12 +206,17 @@ class Detached(DpNode[Any]):
         return self.wires.ears[-1]
 
     def create_publisher(self, kind: Any, topic: str, quality: Any, **options: Any) -> Any:
-        """Make a publisher of what is not compared: diagnostics, parameter events."""
-        return Mouth(self.wires, kind, topic, managed=False)
+        """Make a publisher that speaks whether the node is active or not."""
+        # Topics of all nodes are not compared: diagnostics, parameter events.
+        compared = topic in TOPICS and not topic.startswith("/")
+        mouth = Mouth(self.wires, kind, topic, compared, managed=False)
+        if compared:
+            self.wires.mouths[topic] = mouth
+        return mouth
 
     def create_lifecycle_publisher(self, kind: Any, topic: str, quality: Any, **options: Any) -> Any:
         """Make a publisher whose messages are caught while the node is active."""
-        mouth = Mouth(self.wires, kind, topic, managed=True)
+        mouth = Mouth(self.wires, kind, topic, compared=True, managed=True)
         self.wires.mouths[topic] = mouth
         self.add_managed_entity(mouth)
         return mouth

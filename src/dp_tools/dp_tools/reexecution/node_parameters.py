@@ -12,7 +12,7 @@ from rcl_interfaces.msg import ParameterEvent
 from rclpy.parameter import parameter_value_to_python
 from rclpy.serialization import deserialize_message
 
-from dp_bringup.parameter_service import read_parameter_file
+from dp_bringup.parameter_file import read_parameter_file
 from dp_bringup.workspace import RING_PACKAGES, SIMULATOR_PACKAGE
 from dp_tools.recorder.attachments import SCENARIO_ATTACHMENT, parameters_attachment
 from dp_tools.reexecution.errors import ReexecutionError
