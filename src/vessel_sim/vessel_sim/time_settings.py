@@ -23,7 +23,7 @@ class NodeSettings(SimulatorSettings):
         "Simulated seconds a wall second; 1 is real time, 0 as fast as the ring answers (lockstep only)",
         unit="1",
         ge=0.0,
-        le=1e6,
+        le=1e9,
     )
     hold: bool = setting(False, "Stand still until the service ~/advance says how far to sail", read_only=True)
     lockstep_timeout: float = setting(
