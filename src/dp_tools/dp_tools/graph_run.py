@@ -145,6 +145,7 @@ class GraphRun:
 
         problems: list[str] = []
         interrupted: KeyboardInterrupt | None = None
+        is_up = False
         with Interrupts() as interrupts:
             try:
                 with operator(self.namespace) as one:
@@ -168,6 +169,7 @@ class GraphRun:
                         wait_until_active(one)
                     else:
                         supervisor = self._supervise(one, children, self.supervision, interrupts, recording)
+                    is_up = True
                     # A graph that announces itself late has been heard of by now.
                     self._refuse_company(one, ours=1)
                     if self.record:
@@ -187,7 +189,9 @@ class GraphRun:
                         say("stopping")
                     # The recorder goes last, so that it has what the nodes said on their way out.
                     nodes = [child for child in children.all if child not in recorders]
-                    problems += children.stop(nodes)
+                    found = children.stop(nodes)
+                    # A node that was still starting has no clean way to stop yet.
+                    problems += found if is_up or interrupted is None else []
                     problems += recording.problems()
                     problems += children.stop()
         if problems:

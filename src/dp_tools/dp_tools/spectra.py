@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.signal import periodogram, welch
 
 from dp_tools.run_data import Series
 from marine_model.errors import InputError
@@ -35,6 +34,8 @@ def band_energies(series: Series, frequency: float, bandwidth: float) -> FloatAr
     InputError
         If the signal is shorter than a segment, or the band reaches beyond what its sampling can show.
     """
+    from scipy.signal import periodogram  # here: its import is slow
+
     step = _time_step(series)
     if bandwidth <= 0.0 or frequency - 0.5 * bandwidth < 0.0 or frequency + 0.5 * bandwidth > 0.5 / step:
         raise InputError(
@@ -53,6 +54,8 @@ def band_energies(series: Series, frequency: float, bandwidth: float) -> FloatAr
 
 def spectrum(series: Series, segment: float) -> tuple[FloatArray, FloatArray]:
     """Return frequency (Hz) and one-sided density (unit squared per Hz) of one signal, in segments of ``segment`` s."""
+    from scipy.signal import welch  # here: its import is slow
+
     step = _time_step(series)
     length = min(len(series.t), round(segment / step))
     frequencies, density = welch(

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
-from scipy.stats import spearmanr
 
 from dp_tools.figures.base import FigureSpec, Measurement, WindowFigure
 from dp_tools.figures.samples import rms
@@ -80,4 +79,7 @@ class RankAgreement(_Scaled):
         """Return the correlation: 1 for the same order, -1 for its reverse."""
         bad = [rms(self._excursion(run, scenario, vessel, window, both=True)) for window in self.worst_first]
         expected = np.arange(len(bad), 0, -1)
+        # Here: its import takes as long as all the rest of the command together.
+        from scipy.stats import spearmanr
+
         return Measurement(float(spearmanr(expected, bad).statistic))
