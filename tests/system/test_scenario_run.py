@@ -81,8 +81,8 @@ def test_a_bag_of_a_run_in_process_is_that_of_the_graph(sailed: tuple[Path, str]
     for topic in ("/tau_desired", "/tau_achieved", "/thruster_command", "/propulsion_truth", "/clock"):
         assert own_messages[topic] == messages[topic], topic
     for topic, found in own_messages.items():
-        # An operator's input is answered with a status, a command with a setpoint, stopping with another; nodes that are
-        # no part of the graph tell of their parameters too.
+        # An operator's input is answered with a status, a command with a setpoint, stopping with another; nodes that
+        # are no part of the graph tell of their parameters too.
         if topic not in ("/controller_status", "/actuator_setpoint", "/parameter_events"):
             assert len(found) == len(messages[topic]), topic
 
