@@ -105,3 +105,8 @@ def test_text_reads_back_the_same(ship: Vessel, tmp_path_factory: pytest.TempPat
     path.write_text(section_text(ship, "two\nlines"), encoding="utf-8")
     assert path.read_text(encoding="utf-8").startswith("# two\n# lines\nname: cybership3_full_scale\n")
     assert read_yaml(path).validate(Vessel) == ship
+
+
+def test_a_submerged_vehicle_is_not_scaled() -> None:
+    with pytest.raises(InputError, match="vessel: expected one on the surface, found 'ukwial', which is submerged"):
+        scaled(load_vessel("ukwial"), 2.0)
