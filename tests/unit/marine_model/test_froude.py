@@ -86,7 +86,7 @@ def test_there_and_back(ratio: float) -> None:
     for found, wanted in (
         (back.thrust_max, model.thrust_max),
         (back.thrust_rate, model.thrust_rate),
-        (np.array(back.manoeuvring.added_mass), np.array(model.manoeuvring.added_mass)),
+        (np.array(back.on_surface()[0].added_mass), np.array(model.on_surface()[0].added_mass)),
         (np.array(back.observer.bias_gain), np.array(model.observer.bias_gain)),
         (np.array(back.allocator.slack_weight), np.array(model.allocator.slack_weight)),
     ):
