@@ -51,7 +51,9 @@ class PolynomialPropeller(FirstQuadrantModel):
             self._polynomials.append((k0, k1, k2))
         self._end = min(_first_zero(polynomial) for polynomial in self._polynomials)
         if math.isinf(self._end):
-            raise InputError("thrust_polynomial: expected one that falls to 0, or such a torque_polynomial, found neither")
+            raise InputError(
+                "thrust_polynomial: expected one that falls to 0, or such a torque_polynomial, found neither"
+            )
         for name, (_, k1, k2) in zip(given, self._polynomials, strict=True):
             steepest = max(k1, k1 + 2.0 * k2 * self._end)
             if steepest > 0.0:
