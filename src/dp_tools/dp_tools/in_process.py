@@ -48,6 +48,7 @@ _AT_FEEDBACK = frozenset(
         "torque_setpoint",
         "azimuth_rate_setpoint",
         "pitch_ratio_setpoint",
+        "code",
         "ventilating",
         "beta_q",
         "beta_q2",
@@ -221,6 +222,8 @@ class ClosedLoop:
             torque_setpoint[k] = setpoint.torque
             rate_setpoint[k] = setpoint.azimuth_rate
             pitch_setpoint[k] = setpoint.pitch_ratio
+            if setpoint.code.size:
+                rows["code"][k] = setpoint.code
             if detects:
                 ventilating[k] = setpoint.ventilating
                 beta_q[k] = setpoint.beta_q

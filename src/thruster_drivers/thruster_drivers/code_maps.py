@@ -14,8 +14,8 @@ class CodeMaps:
     """Tells the laws of code the speed along their thrusters.
 
     The tables of a drive are over the speed of the water along its shaft. [Kostenko] takes the surge speed for it; here
-    it is the surge speed's part along the thruster, |V_x cos|, which is what the propeller meets: 0.92 of it for one at
-    22.5 deg to the vessel, nothing for one across. What the water does along the other axes is not told.
+    it is the surge speed's part along the thruster, V_x cos, which is what the propeller meets: 0.92 of it for one at
+    22.5 deg to the vessel, nothing for one across. What the vessel does along the other axes is not told.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class CodeMaps:
                 (ahead, *_), (across, *_) = thruster.plane
                 turns = isinstance(thruster, AzimuthThruster)
                 fixed = thruster.fixed_direction
-                share = None if turns else abs(ahead * math.cos(fixed) + across * math.sin(fixed))
+                share = None if turns else ahead * math.cos(fixed) + across * math.sin(fixed)
                 self._laws.append((j, law, ahead, across, share))
                 reach.append(law.largest_speed)
         self._largest = min(reach, default=0.0)
@@ -63,6 +63,6 @@ class CodeMaps:
         for j, law, ahead, across, share in self._laws:
             if share is None:
                 angle = azimuth[j]
-                # Where the sensor is lost, as ahead: the largest part, and so no less thrust than asked for.
-                share = abs(ahead * math.cos(angle) + across * math.sin(angle)) if math.isfinite(angle) else 1.0
-            law.speed = min(held * share, held)  # |cos| of a rounded axis may be above 1 by rounding
+                # Where the sensor is lost, as ahead: the largest part.
+                share = ahead * math.cos(angle) + across * math.sin(angle) if math.isfinite(angle) else 1.0
+            law.speed = max(-held, min(held, held * share))  # beyond it by rounding

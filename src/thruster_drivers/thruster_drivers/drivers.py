@@ -84,7 +84,7 @@ class DriverOutput:
         Ventilation flag, torque loss factor and its memory, see
         :class:`~thruster_drivers.ventilation.VentilationState`; False, 1 and 1 where nothing is detected.
     code
-        Integer code of a drive that takes codes; 0 where the law in force sends none.
+        Integer code of a drive that takes codes, 0 of another; shape (0,) where no law in force sends codes.
     speed_beyond
         m/s, how far the surge speed was outside the tables of a drive that looks at it, and was clamped: below 0 by
         the least, above 0 by the largest; 0 inside.
@@ -161,7 +161,7 @@ class Drivers:
         self._antispin = AntiSpin(vessel)
         self._no_flags: NDArray[np.bool_] = np.zeros(self._n, dtype=np.bool_)
         self._no_loss: FloatArray = np.ones(self._n)
-        self._no_code: NDArray[np.int16] = np.zeros(self._n, dtype=np.int16)
+        self._no_code: NDArray[np.int16] = np.zeros(0, dtype=np.int16)
         for constant in (self._no_flags, self._no_loss, self._no_code):
             constant.setflags(write=False)
         self.apply(settings if settings is not None else DriverSettings())
@@ -191,6 +191,11 @@ class Drivers:
         if self._stepped:
             self._taking_over.update(changed)
         self._timeout = settings.command_timeout or self._gains.command_timeout
+
+    @property
+    def sends_codes(self) -> bool:
+        """Whether a law in force sends integer codes."""
+        return self._code_maps.any
 
     @property
     def ventilation_events(self) -> NDArray[np.int64] | None:

@@ -73,7 +73,6 @@ class DriversNode(RingNode[DriverSettings]):
         self._reader = CommandReader(self.vessel)
         self._names = list(self.vessel.thruster_names)
         self._none: FloatArray = np.zeros(len(self._names))
-        self._no_code: NDArray[np.int16] = np.zeros(len(self._names), dtype=np.int16)
         self._publisher = self.publish_on(ActuatorSetpoint, "actuator_setpoint")
         self._detects = self.vessel.drivers.ventilation is not None
         self._ventilation_publisher = self.publish_on(Ventilation, "ventilation") if self._detects else None
@@ -99,7 +98,7 @@ class DriversNode(RingNode[DriverSettings]):
     def stopped(self) -> None:
         """Leave the motors without torque: nobody will answer their feedback from now on."""
         self._torque = self._azimuth_rate = self._none
-        self._code = self._no_code
+        self._code = self._code_at_rest()
         self._room.clear()
         if self._feedback_stamps.last is not None:
             self._publish(self._feedback_stamps.last, stale=True)
@@ -128,12 +127,15 @@ class DriversNode(RingNode[DriverSettings]):
         self._command = ThrusterCommand(self._none, self._none, ())
         self._torque = self._azimuth_rate = self._none
         self._pitch_ratio = self.vessel.pitch_ratio
-        self._code = self._no_code
+        self._code = self._code_at_rest()
         self._surge.clear()
         self._room.clear()
         self._speed: tuple[int, float] | None = None  # stamp (ns) and surge speed (m/s) in force
         self._speed_age = math.inf
         self._tally = Tally()
+
+    def _code_at_rest(self) -> NDArray[np.int16]:
+        return np.zeros(len(self._names) if self._core.sends_codes else 0, dtype=np.int16)
 
     def _on_command(self, message: Any) -> None:
         command = self._reader.read(message.name, message.thrust, message.azimuth)

@@ -25,7 +25,7 @@ class CodeMapController(FeedforwardController):
     needs_drive = True
 
     speed: float | None = None
-    """m/s, of the water along the thruster, inside the tables of the drive; None: the map at rest is used."""
+    """m/s, of the thruster along its positive thrust, within the tables of the drive; None: the map at rest is used."""
 
     def __init__(self, model: ShaftModel, tuning: Tuning) -> None:
         super().__init__(model, tuning)
@@ -40,8 +40,11 @@ class CodeMapController(FeedforwardController):
 
     def _aim(self, thrust_reference: float, shaft_speed: float) -> tuple[float, float, float]:
         """Return the torque of the code, the shaft speed of the code at rest, and the design pitch ratio."""
-        drive = self._drive
-        self.code = code = drive.code(thrust_reference, self.speed)
+        drive, speed = self._drive, self.speed
+        if speed is not None:
+            # The tables hold for thrust along the motion. Against it their nearest is no speed.
+            speed = max(0.0, speed if thrust_reference >= 0.0 else -speed)
+        self.code = code = drive.code(thrust_reference, speed)
         rest = drive.rest_shaft_speed(code)
         torque = drive.torque(code, shaft_speed if math.isfinite(shaft_speed) else rest)
         return torque, rest, self._pitch.design
