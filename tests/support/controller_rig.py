@@ -50,9 +50,9 @@ class Basin:
     """Linear low-frequency model of the vessel, with a current-like force in NED and thrusters that saturate."""
 
     def __init__(self, vessel: Vessel, force: ArrayLike = (0.0, 0.0, 0.0), tau_max: float = np.inf) -> None:
-        mass = np.array(vessel.manoeuvring.rigid_body_mass) + np.array(vessel.manoeuvring.added_mass)
+        mass = np.array(vessel.on_surface()[0].rigid_body_mass) + np.array(vessel.on_surface()[0].added_mass)
         self.inverse_mass = np.linalg.inv(mass)
-        self.damping = np.array(vessel.manoeuvring.linear_damping)
+        self.damping = np.array(vessel.on_surface()[0].linear_damping)
         self.force = np.array(force, dtype=float)
         self.tau_max = tau_max
         self.position = np.zeros(3)

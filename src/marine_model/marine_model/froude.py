@@ -133,8 +133,10 @@ def scaled(vessel: Vessel, length_ratio: float, name: str = "", description: str
     Raises
     ------
     InputError
-        If the ratio is not above 0, or a number of the vessel has no unit.
+        If the ratio is not above 0, a number of the vessel has no unit, or it is submerged: far below the surface there
+        are no waves that Froude's law is about, and the resistance goes by Reynolds'.
     """
+    vessel.on_surface()
     ratio = positive_number("length_ratio", length_ratio)
     law = FroudeLaw(ratio)
     steps = round(vessel.measurement.sample_time / vessel.simulation.time_step)

@@ -107,7 +107,9 @@ class AllocatorGains(Section):
     """Weights and constants of the allocation problem, [Ruth] 4.4 and B.3.4."""
 
     slack_gain: Annotated[Positive, Unit("1")]  # gamma
-    slack_weight: Annotated[PositiveVector3, Unit("1, 1, 1/m")]  # diagonal of W_v; the cost is in N^2
+    # Diagonal of W_v, one for each of the vessel's degrees of freedom; the cost is in N^2, so that those of moments are
+    # in 1/m. On the surface: surge, sway, yaw.
+    slack_weight: Annotated[tuple[Positive, ...], Field(strict=False), Unit("1, 1, 1/m")]
     thrust_weight: Annotated[tuple[Positive, ...], Field(strict=False), Unit("1")]  # diagonal of W_u
     approach_fraction: Annotated[float, Field(ge=0.0, lt=1.0), Unit("1")]  # c_1 of (4.14)-(4.17)
     zero_region: Annotated[float, Field(gt=0.0, le=0.1), Unit("1")]  # c_2 of (4.38)-(4.39)

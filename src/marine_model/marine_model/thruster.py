@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -10,6 +11,11 @@ from marine_model.propellers.sections import PropellerData
 from marine_model.schema import FieldError, NonNegative, Positive, Section, Vector3
 from marine_model.sector import Direction, Sector, check_sectors
 from marine_model.units import Unit
+
+Triple = tuple[float, float, float]
+
+# Directions are written down to four digits at least.
+_LENGTH_TOLERANCE = 1e-4
 
 
 class ThrustLimits(Section):
@@ -109,9 +115,14 @@ class _Thruster(Section):
             check_pitch(self.propeller, self.pitch.min, self.pitch.max)
         return self
 
+    @property
+    def plane(self) -> tuple[Triple, Triple]:
+        """n_1 and n_2 of [Ruth] (4.3): force directions, body frame, at azimuths 0 and pi/2."""
+        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+
 
 class TunnelThruster(_Thruster):
-    """A thruster whose direction never changes."""
+    """A thruster whose direction never changes and is horizontal."""
 
     type: Literal["tunnel"]
     direction: Direction  # 0 ahead, positive to starboard
@@ -120,6 +131,32 @@ class TunnelThruster(_Thruster):
     def fixed_direction(self) -> float:
         """Direction of positive thrust, rad."""
         return self.direction
+
+
+class FixedThruster(_Thruster):
+    """A thruster whose direction never changes, anywhere in space; its azimuth is 0."""
+
+    type: Literal["fixed"]
+    axis: Annotated[Vector3, Unit("1")]  # direction of positive thrust, body frame, of length 1
+
+    @model_validator(mode="after")
+    def _of_length_one(self) -> Self:
+        length = math.hypot(*self.axis)
+        if abs(length - 1.0) > _LENGTH_TOLERANCE:
+            raise FieldError(("axis",), f"expected a vector of length 1, found {list(self.axis)} of {length:.6g}")
+        return self
+
+    @property
+    def fixed_direction(self) -> float:
+        """Azimuth of positive thrust in its own plane, rad: 0, along ``axis``."""
+        return 0.0
+
+    @property
+    def plane(self) -> tuple[Triple, Triple]:
+        """The axis, and nothing beside it."""
+        x, y, z = self.axis
+        length = math.hypot(x, y, z)
+        return (x / length, y / length, z / length), (0.0, 0.0, 0.0)
 
 
 class AzimuthThruster(_Thruster):
@@ -144,4 +181,4 @@ class AzimuthThruster(_Thruster):
         return self.azimuth.fixed
 
 
-Thruster = Annotated[TunnelThruster | AzimuthThruster, Field(discriminator="type")]
+Thruster = Annotated[TunnelThruster | AzimuthThruster | FixedThruster, Field(discriminator="type")]

@@ -40,6 +40,24 @@ def cartesian_configuration(lever_x: FloatArray, lever_y: FloatArray) -> FloatAr
     return matrix
 
 
+def thruster_columns(position: FloatArray, plane: FloatArray) -> FloatArray:
+    """Return the generalized force of a newton along n_1 and n_2 of every thruster, shape (n, 6, 2): [Ruth] (4.3).
+
+    Column j of the thruster configuration matrix in six degrees of freedom is ``columns[j] @ (cos a_j, sin a_j)``.
+
+    Parameters
+    ----------
+    position
+        r_j, where the thrusters sit, shape (n, 3), m, body frame.
+    plane
+        n_1 and n_2, shape (n, 2, 3): force directions at azimuths 0 and pi/2.
+    """
+    columns = np.empty((len(position), 6, 2))
+    columns[:, :3] = plane.transpose(0, 2, 1)
+    columns[:, 3:] = np.cross(position[:, None, :], plane).transpose(0, 2, 1)
+    return columns
+
+
 def generalized_force(lever_x: FloatArray, lever_y: FloatArray, thrust: FloatArray, azimuth: FloatArray) -> FloatArray:
     """Return B(azimuth) thrust, shape (3,): N, N, N m in the body frame."""
     force_x = thrust * np.cos(azimuth)

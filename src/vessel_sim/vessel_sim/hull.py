@@ -42,7 +42,7 @@ class Hull:
     """
 
     def __init__(self, vessel: Vessel) -> None:
-        data = vessel.manoeuvring
+        data, _ = vessel.on_surface()
         mass = np.array(data.rigid_body_mass) + np.array(data.added_mass)
         damping = np.array(data.linear_damping)
         inverse = np.linalg.inv(mass)

@@ -20,7 +20,7 @@ def sail(
     vessel: Vessel, mass: FloatArray, tau: FloatArray, heading: float, duration: float
 ) -> tuple[ObserverEstimate, FloatArray, FloatArray]:
     """Return the last estimate and the true position and velocity, under constant ``tau`` and BIAS from rest."""
-    damping = np.array(vessel.manoeuvring.linear_damping)
+    damping = np.array(vessel.on_surface()[0].linear_damping)
 
     def rhs(t: float, x: FloatArray) -> FloatArray:
         r = rotation(x[2])
@@ -61,7 +61,7 @@ def test_bias_and_velocity_converge(heading: float) -> None:
 
 def test_a_wrong_mass_does_not_spoil_the_bias() -> None:
     """App. B tunes M away from the ship's mass; in steady motion mass plays no part."""
-    mass = np.array(VESSEL.manoeuvring.rigid_body_mass) + np.array(VESSEL.manoeuvring.added_mass)
+    mass = np.array(VESSEL.on_surface()[0].rigid_body_mass) + np.array(VESSEL.on_surface()[0].added_mass)
     tau = np.array([0.4, -(rotation(0.5).T @ BIAS)[1], -BIAS[2]])
     estimate, _, velocity = sail(VESSEL, mass, tau, 0.5, 400.0)
     np.testing.assert_allclose(estimate.bias, BIAS, atol=1e-5)

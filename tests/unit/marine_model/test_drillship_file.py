@@ -20,12 +20,12 @@ def ship() -> Vessel:
 
 
 def masses(ship: Vessel) -> list[float]:
-    model = ship.manoeuvring
+    model = ship.on_surface()[0]
     return [model.rigid_body_mass[i][i] + model.added_mass[i][i] for i in range(3)]
 
 
 def test_hull(ship: Vessel) -> None:
-    hull, model, rho = ship.hull, ship.manoeuvring, ship.density
+    hull, model, rho = ship.hull, ship.on_surface()[0], ship.density
     length, beam, draught = hull.length, hull.beam, hull.draught
     volume = hull.mass / rho
     block = volume / (length * beam * draught)
@@ -54,7 +54,7 @@ def test_hull(ship: Vessel) -> None:
 def test_controller(ship: Vessel) -> None:
     omega, zeta = 0.06, 0.8
     for i, mass in enumerate(masses(ship)):
-        damping = ship.manoeuvring.linear_damping[i][i]
+        damping = ship.on_surface()[0].linear_damping[i][i]
         assert ship.controller.proportional[i] == pytest.approx(mass * omega**2, rel=DIGITS)
         assert ship.controller.derivative[i] == pytest.approx(2.0 * zeta * mass * omega - damping, rel=DIGITS)
         assert ship.controller.integral[i] == pytest.approx(mass * omega**3 / 10.0, rel=DIGITS)

@@ -10,7 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from marine_model.errors import InputError
-from marine_model.frames import heading_to_quaternion, quaternion_to_heading, rotation, wrap_angle, wrap_angles
+from marine_model.frames import (
+    attitude_rotation,
+    attitude_to_quaternion,
+    heading_to_quaternion,
+    quaternion_to_attitude,
+    quaternion_to_heading,
+    rotation,
+    wrap_angle,
+    wrap_angles,
+)
 
 angles = st.floats(-1e6, 1e6)
 
@@ -92,3 +101,39 @@ def test_heading_is_that_of_a_rolling_and_pitching_vessel() -> None:
 def test_what_is_no_orientation_is_refused(bad: tuple[float, float, float, float]) -> None:
     with pytest.raises(InputError, match="orientation: expected a unit quaternion, found"):
         quaternion_to_heading(*bad)
+
+
+def test_attitude_turns_about_heading_then_pitch_then_roll() -> None:
+    """Bow up raises the bow, starboard down lowers the starboard side, and the order is z-y-x."""
+    np.testing.assert_array_equal(attitude_rotation(0.0, 0.0, 0.7), rotation(0.7))
+    np.testing.assert_allclose(attitude_rotation(0.0, 0.3, 0.0) @ [1, 0, 0], [math.cos(0.3), 0, -math.sin(0.3)])
+    np.testing.assert_allclose(attitude_rotation(0.3, 0.0, 0.0) @ [0, 1, 0], [0, math.cos(0.3), math.sin(0.3)])
+    turns = attitude_rotation(0, 0, 0.7) @ attitude_rotation(0, 0.2, 0) @ attitude_rotation(-0.3, 0, 0)
+    np.testing.assert_allclose(attitude_rotation(-0.3, 0.2, 0.7), turns, atol=1e-15)
+
+
+@given(roll=st.floats(-3.1, 3.1), pitch=st.floats(-1.5, 1.5), heading=st.floats(-3.1, 3.1))
+def test_attitude_survives_a_quaternion(roll: float, pitch: float, heading: float) -> None:
+    quaternion = attitude_to_quaternion(roll, pitch, heading)
+    # Near the singularity, cos 1.5 = 0.07, rounding counts 14-fold.
+    np.testing.assert_allclose(quaternion_to_attitude(*quaternion), (roll, pitch, heading), atol=1e-13)
+    x, y, z, w = quaternion
+    turn = attitude_rotation(roll, pitch, heading)
+    # The rotation that the quaternion stands for: its third row and first column.
+    np.testing.assert_allclose(turn[2], [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], atol=1e-14)
+    np.testing.assert_allclose(
+        turn[:, 0], [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], atol=1e-14
+    )
+
+
+@given(heading=st.floats(-math.pi, math.pi))
+def test_attitude_of_a_heading_alone_is_that_of_the_heading_to_the_bit(heading: float) -> None:
+    assert attitude_to_quaternion(0.0, 0.0, heading) == heading_to_quaternion(heading)
+
+
+def test_bow_straight_up_is_no_error() -> None:
+    roll, pitch, heading = quaternion_to_attitude(*attitude_to_quaternion(0.0, math.pi / 2, 0.4))
+    # The root of the rounding is what is left of cos(pitch).
+    assert pitch == pytest.approx(math.pi / 2, abs=1e-7)
+    assert math.isfinite(roll)
+    assert math.isfinite(heading)

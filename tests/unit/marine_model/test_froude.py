@@ -86,7 +86,7 @@ def test_there_and_back(ratio: float) -> None:
     for found, wanted in (
         (back.thrust_max, model.thrust_max),
         (back.thrust_rate, model.thrust_rate),
-        (np.array(back.manoeuvring.added_mass), np.array(model.manoeuvring.added_mass)),
+        (np.array(back.on_surface()[0].added_mass), np.array(model.on_surface()[0].added_mass)),
         (np.array(back.observer.bias_gain), np.array(model.observer.bias_gain)),
         (np.array(back.allocator.slack_weight), np.array(model.allocator.slack_weight)),
     ):
@@ -105,3 +105,8 @@ def test_text_reads_back_the_same(ship: Vessel, tmp_path_factory: pytest.TempPat
     path.write_text(section_text(ship, "two\nlines"), encoding="utf-8")
     assert path.read_text(encoding="utf-8").startswith("# two\n# lines\nname: cybership3_full_scale\n")
     assert read_yaml(path).validate(Vessel) == ship
+
+
+def test_a_submerged_vehicle_is_not_scaled() -> None:
+    with pytest.raises(InputError, match="vessel: expected one on the surface, found 'ukwial', which is submerged"):
+        scaled(load_vessel("ukwial"), 2.0)

@@ -39,7 +39,8 @@ def problems(path: Path) -> list[str]:
 def test_what_is_shipped() -> None:
     models = "cybership3", "cybership3_ch7", "cybership3_trimmed"
     ships = "cybership3_full_scale", "cybership3_trimmed_full_scale", "drillship"
-    assert set(vessel_names()) == {*models, *ships}
+    submerged = "ukwial", "ukwial_azimuth", "mmt300"
+    assert set(vessel_names()) == {*models, *ships, *submerged}
     for name in vessel_names():
         vessel = load_vessel(name)
         assert isinstance(vessel, Vessel)
@@ -234,7 +235,7 @@ WRONG = [
         "type: tunnel",
         "type: waterjet",
         "thrusters.0: Input tag 'waterjet' found using 'type' does not match any of the expected tags: "
-        "'tunnel', 'azimuth'",
+        "'tunnel', 'azimuth', 'fixed'",
     ),
     (
         "scale: 30.0",
@@ -254,7 +255,7 @@ WRONG = [
     (
         "degrees_of_freedom: [surge, sway, yaw]",
         "degrees_of_freedom: [surge, heave, yaw]",
-        "degrees_of_freedom.1: Input should be 'sway', found 'heave'",
+        "degrees_of_freedom: expected surge, sway, yaw without a section underwater, found surge, heave, yaw",
     ),
     (
         "wave_damping: [0.1, 0.1, 0.1]",

@@ -119,7 +119,7 @@ def vessel_with(folder: Path, forces: str) -> Path:
 def test_a_vessel_names_its_data_file(tmp_path: Path) -> None:
     write(tmp_path, LINES)
     vessel = load_vessel(vessel_with(tmp_path, "  response: hull.csv\n  drift_factor: 1.1"))
-    assert vessel.wave_forces.drift_factor == 1.1
+    assert vessel.on_surface()[1].drift_factor == 1.1
     assert vessel.wave_response is not None
     np.testing.assert_array_equal(vessel.wave_response.frequency, [0.5, 1.0, 2.0])
     assert vessel.wave_response is vessel.wave_response

@@ -30,7 +30,7 @@ def coriolis(mass: Array, nu: Array) -> Array:
 
 
 def damping_force(vessel: Vessel, nu: Array) -> Array:
-    data = vessel.manoeuvring
+    data = vessel.on_surface()[0]
     return np.array(data.linear_damping) @ nu + np.array(data.quadratic_damping) * np.abs(nu) * nu
 
 
@@ -38,7 +38,7 @@ def damping_force(vessel: Vessel, nu: Array) -> Array:
 def test_acceleration_solves_the_equation_of_motion(
     nu: tuple[float, float, float], tau: tuple[float, float, float]
 ) -> None:
-    mass = np.array(VESSEL.manoeuvring.rigid_body_mass) + np.array(VESSEL.manoeuvring.added_mass)
+    mass = np.array(VESSEL.on_surface()[0].rigid_body_mass) + np.array(VESSEL.on_surface()[0].added_mass)
     v = np.array(nu)
     acceleration = np.array(Hull(VESSEL).acceleration(*nu, *tau))
     residual = mass @ acceleration + coriolis(mass, v) @ v + damping_force(VESSEL, v) - np.array(tau)
@@ -61,7 +61,7 @@ def test_munk_moment_turns_the_bow_broadside() -> None:
 
 def test_moving_frame_agrees_with_the_form_in_absolute_velocity() -> None:
     """M_RB nu_dot + C_RB(nu) nu + M_A nu_r_dot + C_A(nu_r) nu_r + D(nu_r) nu_r = tau, current constant in NED."""
-    data = VESSEL.manoeuvring
+    data = VESSEL.on_surface()[0]
     rigid, added = np.array(data.rigid_body_mass), np.array(data.added_mass)
     current_ned = np.array([0.15 * math.cos(0.8), 0.15 * math.sin(0.8), 0.0])
     tau = np.array([2.0, 1.0, 0.6])

@@ -120,7 +120,7 @@ def test_a_ship_adrift_ends_up_where_wind_and_water_balance() -> None:
     sail(sim, 300.0)
     truth = sim.truth()
     u = float(truth.velocity[0])
-    data = VESSEL.manoeuvring
+    data = VESSEL.on_surface()[0]
     resistance = (data.linear_damping[0][0] + data.quadratic_damping[0] * u) * u
     # After 300 s, ten time constants of surge and more.
     assert truth.wind_force[0] == pytest.approx(resistance, rel=1e-6)

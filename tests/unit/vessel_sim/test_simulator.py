@@ -52,7 +52,7 @@ def sail(sim: Simulator, seconds: float, inputs: SimulatorInputs = STILL, dt: fl
 
 def reference(settings: SimulatorSettings, inputs: SimulatorInputs, seconds: float) -> Array:
     """Position and velocity through the water at the end, from an error-controlled integrator, in matrix form."""
-    data = VESSEL.manoeuvring
+    data = VESSEL.on_surface()[0]
     mass = np.array(data.rigid_body_mass) + np.array(data.added_mass)
     linear, quadratic = np.array(data.linear_damping), np.array(data.quadratic_damping)
     inertia = 2.0 * math.pi * np.array([t.shaft.inertia for t in VESSEL.thrusters])

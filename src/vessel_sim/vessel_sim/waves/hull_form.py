@@ -74,7 +74,7 @@ class HullForm(HullInWaves):
             If neither is there.
         """
         hull = vessel.hull
-        coefficient = drift_coefficient or vessel.wave_forces.drift_coefficient
+        coefficient = drift_coefficient or vessel.on_surface()[1].drift_coefficient
         if coefficient is None:
             raise InputError(f"wave_forces.drift_coefficient: expected it in vessel '{vessel.name}', found none")
         c0, c1, c2 = coefficient

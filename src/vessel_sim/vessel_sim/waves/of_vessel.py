@@ -13,4 +13,4 @@ def hull_in_waves(vessel: Vessel) -> HullInWaves:
     response = vessel.wave_response
     if response is None:
         return HullForm.of(vessel)
-    return ComputedHull(response, vessel.hull.length, vessel.density, vessel.wave_forces.drift_factor)
+    return ComputedHull(response, vessel.hull.length, vessel.density, vessel.on_surface()[1].drift_factor)
