@@ -28,13 +28,13 @@ from dp_tools.cdr.layout import LayoutError
 from dp_tools.cdr.types import types_of
 from dp_tools.recorder.attachments import SCENARIO_ATTACHMENT, VESSEL_ATTACHMENT
 from dp_tools.run_bag import RUN_RECORD
-from dp_tools.run_data import WIDTHS, Labels, RunData, RunInfo, Series
+from dp_tools.run_data import VERTICAL, Labels, RunData, RunInfo, Series, width
 from dp_tools.run_topics import TOPICS, RunTopic
 from dp_tools.scenario import Scenario, load_scenario
 from dp_tools.versions import VERSIONS_RECORD
 from marine_model import Vessel, load_vessel
 from marine_model.errors import UnknownNameError
-from marine_model.frames import quaternion_to_heading
+from marine_model.frames import quaternion_to_attitude, quaternion_to_heading
 from marine_model.guards import FloatArray
 
 _NANOSECONDS = 1_000_000_000
@@ -139,6 +139,8 @@ class _Collector:
 
     def __init__(self, vessel: Vessel) -> None:
         self._names = vessel.thruster_names
+        self._axes = len(vessel.degrees_of_freedom)
+        self._left_out = frozenset() if vessel.is_submerged else VERTICAL
         self.rows: dict[str, _Rows] = {}
         self.words: dict[str, _Words] = {}
 
@@ -164,6 +166,8 @@ class _Collector:
             if word := batch.texts.get(path):
                 self.words.setdefault(label, _Words()).add(index, stamps, str(word))
         for name in topic.series:
+            if name in self._left_out:
+                continue
             values = self._values(topic, name, rows)
             if values is None:
                 continue
@@ -178,20 +182,24 @@ class _Collector:
 
     def _values(self, topic: RunTopic, name: str, rows: NDArray[Any]) -> FloatArray | None:
         """Return the rows of a series; None where the messages do not tell of it, as in earlier versions."""
-        width = WIDTHS[name] or len(self._names)
-        values: FloatArray = np.full((len(rows), width), np.nan)
+        columns = width(name, len(self._names), self._axes)
+        values: FloatArray = np.full((len(rows), columns), np.nan)
         for path, (series, column) in topic.numbers.items():
             if series != name:
                 continue
             if path not in (rows.dtype.names or ()):
                 return None
             given = rows[path].reshape(len(rows), -1)
-            expected = width if column is None else 1
+            expected = columns if column is None else 1
             if given.shape[1] == 0:
                 return None
             if given.shape[1] != expected:
                 raise BagError(f"{topic.name}.{path}: expected {expected} numbers, found {given.shape[1]}")
             values[:, slice(None) if column is None else slice(column, column + 1)] = given
+        if topic.orientation is not None and topic.attitude == name:
+            values[:, 1:] = _tilts(rows, topic.orientation[0])
+            if topic.name == "pose":
+                values[rows["pose.covariance"][:, 0] < 0.0] = np.nan
         if topic.orientation is not None and topic.orientation[1] == name:
             values[:, 2] = _headings(rows, topic.orientation[0])
             if topic.name == "pose":  # a negative variance: no fix
@@ -202,6 +210,12 @@ class _Collector:
 def _stamps(rows: NDArray[Any], path: str = "header.stamp") -> Stamps:
     stamps: Stamps = rows[f"{path}.sec"].astype(np.int64) * _NANOSECONDS + rows[f"{path}.nanosec"]
     return stamps
+
+
+def _tilts(rows: NDArray[Any], path: str) -> list[tuple[float, float]]:
+    """Return roll and pitch of every quaternion."""
+    parts = [rows[f"{path}.{part}"].tolist() for part in "xyzw"]
+    return [quaternion_to_attitude(*quaternion)[:2] for quaternion in zip(*parts, strict=True)]
 
 
 def _headings(rows: NDArray[Any], path: str) -> list[float]:
@@ -318,7 +332,7 @@ def _read(parts: list[_Part], path: Path, vessel_name: str) -> RecordedRun:
     run = _run(collector, vessel, scenario)
     pace = next((one for one in raw if one.topic.name == _PACE_TOPIC), None)
     info = _info(records, vessel, scenario, run.duration, pace)
-    return RecordedRun(RunData(info, run.thrusters, run.series, run.labels), vessel, scenario)
+    return RecordedRun(RunData(info, run.thrusters, run.series, run.labels, run.degrees_of_freedom), vessel, scenario)
 
 
 def _joined(parts: list[_Part], path: Path) -> list[_Raw]:
@@ -356,7 +370,7 @@ def _run(collector: _Collector, vessel: Vessel, scenario: Scenario | None) -> Ru
         of_status = name in _BY_NAME["controller_status"].words.values()
         stamps, changes = words.changes(demands if of_status else None)
         labels[name] = Labels(_seconds(stamps, zero), changes)
-    return RunData(RunInfo("", "", ""), vessel.thruster_names, series, labels)
+    return RunData(RunInfo("", "", ""), vessel.thruster_names, series, labels, vessel.degrees_of_freedom)
 
 
 def _info(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from dp_msgs.msg import ControllerStatus
 from dp_msgs.srv import Advance
-from geometry_msgs.msg import PoseStamped, WrenchStamped
+from geometry_msgs.msg import Point, PoseStamped, Quaternion, Vector3, WrenchStamped
 from nav_msgs.msg import Path as PathMessage
 
 from dp_bringup.graph_nodes import START_SECONDS
@@ -18,8 +18,9 @@ from dp_bringup.workspace import SIMULATOR_PACKAGE
 from dp_node import RING_PUBLISHER, from_nanoseconds, to_nanoseconds
 from dp_tools.clock_reader import ClockReader
 from dp_tools.scenario import Event, Scenario
+from dp_tools.six_axes import pose_parts, wrench_parts
 from marine_model.errors import DpError
-from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
+from marine_model.frames import BODY_FRAME, MAP_FRAME
 
 _ACKNOWLEDGE_SECONDS = 10.0
 
@@ -168,19 +169,21 @@ class Conductor:
             node.destroy_subscription(subscription)
 
 
-def _pose(stamp: int, position: tuple[float, float, float]) -> PoseStamped:
+def _pose(stamp: int, position: Sequence[float]) -> PoseStamped:
     message = PoseStamped()
     message.header.frame_id = MAP_FRAME
     message.header.stamp = from_nanoseconds(stamp)
-    message.pose.position.x, message.pose.position.y = position[0], position[1]
-    _, _, message.pose.orientation.z, message.pose.orientation.w = heading_to_quaternion(position[2])
+    point, quaternion = pose_parts(position)
+    message.pose.position = Point(**dict(zip("xyz", point, strict=True)))
+    message.pose.orientation = Quaternion(**dict(zip("xyzw", quaternion, strict=True)))
     return message
 
 
-def _wrench(stamp: int, force: tuple[float, float, float]) -> WrenchStamped:
+def _wrench(stamp: int, force: Sequence[float]) -> WrenchStamped:
     message = WrenchStamped()
     message.header.frame_id = BODY_FRAME
     message.header.stamp = from_nanoseconds(stamp)
-    message.wrench.force.x, message.wrench.force.y = force[0], force[1]
-    message.wrench.torque.z = force[2]
+    push, turn = wrench_parts(force)
+    message.wrench.force = Vector3(**dict(zip("xyz", push, strict=True)))
+    message.wrench.torque = Vector3(**dict(zip("xyz", turn, strict=True)))
     return message

@@ -95,7 +95,7 @@ class ClosedLoop:
         self._ticks = self._tick_at(scenario.duration)
         self._tick = 0
         self._answered: int | None = None  # stamp of the newest pose answered, ns
-        self._log = RunLog(vessel.thruster_names, -(-self._ticks // self._ratio), self._ticks, _AT_FEEDBACK)
+        self._log = RunLog(vessel, -(-self._ticks // self._ratio), self._ticks, _AT_FEEDBACK)
         n = len(vessel.thrusters)
         self._tau_achieved: FloatArray = np.zeros(3)
         self._thrust: FloatArray = np.zeros(n)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
@@ -26,7 +26,7 @@ from dp_tools.recorder.attachments import SCENARIO_ATTACHMENT, VESSEL_ATTACHMENT
 from dp_tools.recorder.bag_metadata import TopicInfo
 from dp_tools.recorder.bag_writer import BagWriter
 from dp_tools.recorder.schemas import full_definition
-from dp_tools.run_data import RunData, RunInfo, Series
+from dp_tools.run_data import RunData, RunInfo, Series, width
 from dp_tools.run_parameters import (
     PARAMETER_EVENT,
     PARAMETER_EVENTS,
@@ -36,9 +36,10 @@ from dp_tools.run_parameters import (
 )
 from dp_tools.run_topics import TOPICS, RunTopic
 from dp_tools.scenario import Event, Scenario, scenario_document
+from dp_tools.six_axes import pose_parts, wrench_parts
 from dp_tools.versions import VERSIONS_RECORD
 from marine_model import Vessel
-from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
+from marine_model.frames import BODY_FRAME, MAP_FRAME, attitude_to_quaternion
 from marine_model.guards import FloatArray
 
 # Name of the metadata record with who sailed what, how and how long.
@@ -199,7 +200,8 @@ def _messages(types: Any, topic: RunTopic, run: RunData, vessel: Vessel, stamps:
         texts |= {path: _word(run, label, words[label][first]) for path, label in topic.words.items()}
         if topic.by_thruster:
             texts["name"] = run.thrusters
-        counts = {path: len(run.thrusters) for path, (series, _) in topic.numbers.items() if series in has}
+        sizes = len(run.thrusters), len(run.degrees_of_freedom)
+        counts = {path: width(series, *sizes) for path, (series, _) in topic.numbers.items() if series in has}
         counts |= {path: len(run.thrusters) for path in (*topic.absent, *topic.constants)}
         layout = layout_of(types, topic.kind, texts, counts)
         numbers: dict[str, Any] = {
@@ -250,10 +252,16 @@ def _own_fields(topic: RunTopic, run: RunData, vessel: Vessel, stamps: Stamps) -
     if topic.orientation is not None:
         path, series = topic.orientation
         position = _at(run[series], stamps)
+        below = _at(run[topic.attitude], stamps) if topic.attitude in run else None
         if topic.name == "pose":
-            numbers, position = _pose(vessel, position)
-        quaternions = np.array([exact_quaternion(heading) for heading in position[:, 2].tolist()])
-        numbers |= {f"{path}.z": quaternions[:, 0], f"{path}.w": quaternions[:, 1]}
+            numbers, position, below = _pose(vessel, position, below)
+        if below is None:
+            quaternions = np.array([exact_quaternion(heading) for heading in position[:, 2].tolist()])
+            numbers |= {f"{path}.z": quaternions[:, 0], f"{path}.w": quaternions[:, 1]}
+        else:
+            attitudes = np.column_stack([below[:, 1:], position[:, 2]]).tolist()
+            quaternions = np.array([attitude_to_quaternion(*attitude) for attitude in attitudes])
+            numbers |= {f"{path}.{part}": quaternions[:, i] for i, part in enumerate("xyzw")}
     elif topic.name == "observer_state" and "observer_status" in run.labels:
         words = run.labels["observer_status"].words
         told = _word_numbers(run, "observer_status", stamps)
@@ -265,17 +273,22 @@ def _own_fields(topic: RunTopic, run: RunData, vessel: Vessel, stamps: Stamps) -
     return numbers
 
 
-def _pose(vessel: Vessel, position: FloatArray) -> tuple[dict[str, FloatArray], FloatArray]:
+def _pose(
+    vessel: Vessel, position: FloatArray, below: FloatArray | None
+) -> tuple[dict[str, FloatArray], FloatArray, FloatArray | None]:
     """Return what a pose message says; a lost one is the last one, marked by covariance[0] = -1."""
     fix = np.asarray(np.isfinite(position).all(axis=1))
     newest = np.maximum.accumulate(np.where(fix, np.arange(len(fix)), -1))
-    held = np.where((newest >= 0)[:, None], position[np.maximum(newest, 0)], 0.0)
+    held: FloatArray = np.where((newest >= 0)[:, None], position[np.maximum(newest, 0)], 0.0)
     noise = vessel.measurement
     covariance = np.zeros((len(fix), 36))
     covariance[:, 0] = np.where(fix, noise.position_noise**2, -1.0)
     covariance[:, 7], covariance[:, 35] = noise.position_noise**2, noise.heading_noise**2
     numbers = {"pose.covariance": covariance, "pose.pose.position.x": held[:, 0], "pose.pose.position.y": held[:, 1]}
-    return numbers, held
+    if below is None:
+        return numbers, held, None
+    below = np.where((newest >= 0)[:, None], below[np.maximum(newest, 0)], 0.0)
+    return numbers | {"pose.pose.position.z": below[:, 0]}, held, below
 
 
 # Clock and operator --------------------------------------------------------------------------------------------------
@@ -346,8 +359,8 @@ class _Operator:
             return self._pose(stamp, event.setpoint)
         if topic == "joystick" and event.joystick is not None:
             vector = self.types["geometry_msgs/msg/Vector3"]
-            surge, sway, yaw = event.joystick
-            wrench = self.types["geometry_msgs/msg/Wrench"](vector(surge, sway, 0.0), vector(0.0, 0.0, yaw))
+            push, turn = wrench_parts(event.joystick)
+            wrench = self.types["geometry_msgs/msg/Wrench"](vector(*push), vector(*turn))
             return self.types["geometry_msgs/msg/WrenchStamped"](self._header(stamp, BODY_FRAME), wrench)
         poses = [self._pose(round(point.at * 1e9), point.position) for point in event.path or ()]
         return self.types["nav_msgs/msg/Path"](self._header(stamp, MAP_FRAME), poses)
@@ -356,12 +369,12 @@ class _Operator:
         sec, nanosec = divmod(stamp, _NANOSECONDS)
         return self.types["std_msgs/msg/Header"](self.types["builtin_interfaces/msg/Time"](sec, nanosec), frame)
 
-    def _pose(self, stamp: int, position: tuple[float, float, float]) -> Any:
-        north, east, heading = position
+    def _pose(self, stamp: int, position: Sequence[float]) -> Any:
+        point, quaternion = pose_parts(position)
         return self.types["geometry_msgs/msg/PoseStamped"](
             self._header(stamp, MAP_FRAME),
             self.types["geometry_msgs/msg/Pose"](
-                self.types["geometry_msgs/msg/Point"](north, east, 0.0),
-                self.types["geometry_msgs/msg/Quaternion"](*heading_to_quaternion(heading)),
+                self.types["geometry_msgs/msg/Point"](*point),
+                self.types["geometry_msgs/msg/Quaternion"](*quaternion),
             ),
         )

@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from marine_model.axes import HORIZONTAL
 from marine_model.errors import DocumentError, InputError
 from marine_model.guards import FloatArray
 
-# Name of every series: width (0: one column a thruster), unit by column, where it comes from.
+# Name of every series: width, unit by column, where it comes from.
 # One row a pose (control rate):
 #   pose                    m, m, rad       measured, map_ned; NaN where there was no fix
 #   estimate_position       m, m, rad       low-frequency estimate, map_ned
@@ -40,9 +41,20 @@ from marine_model.guards import FloatArray
 #   shaft_speed  Hz         motor_torque  N m          power  W         azimuth  rad
 #   torque_setpoint  N m    azimuth_rate_setpoint  rad/s    pitch_ratio  1    pitch_ratio_setpoint  1
 #   ventilating  0 or 1     beta_q  1              beta_q2  1    where the drivers look for ventilation
+#   code  1                 asked of torque-controlled drives that take codes, 0 of others
+# Of submerged vehicles, besides: depth, roll and pitch (m, rad, rad; map_ned) and forces along heave, roll and pitch
+# (N, N m, N m; body frame)
+#   vertical_pose, vertical_estimate, vertical_reference, vertical_truth    m, rad, rad
+#   vertical_velocity       m/s, rad/s, rad/s
+#   vertical_bias, vertical_desired, vertical_achieved    N, N m, N m
+# Where the method of the allocator is another than the quadratic program, over the degrees of freedom:
+#   tau_feasible            what the method reduced the demand to
+#   tau_qp                  what the quadratic program would have achieved
+#   feasible_load           1               the demand on the method's own region, whose edge is 1
 # True state, where a simulator sailed:
 #   truth_position          m, m, rad       with wave motion, map_ned; at the times of the poses
 #   truth_thrust  N   truth_thrust_loss  1   truth_torque_loss  1   truth_submergence  m   truth_advance_speed  m/s
+PER_THRUSTER, PER_AXIS = 0, -1  # in place of a width: one column a thruster, or a degree of freedom
 WIDTHS: Mapping[str, int] = {
     "pose": 3,
     "estimate_position": 3,
@@ -60,7 +72,7 @@ WIDTHS: Mapping[str, int] = {
     "transfer": 3,
     "tau_desired": 3,
     "tau_achieved": 3,
-    "slack": 3,
+    "slack": PER_AXIS,
     "allocation_cost": 1,
     "thrust_command": 0,
     "azimuth_command": 0,
@@ -89,24 +101,50 @@ WIDTHS: Mapping[str, int] = {
     "truth_torque_loss": 0,
     "truth_submergence": 0,
     "truth_advance_speed": 0,
+    "code": 0,
+    "vertical_pose": 3,
+    "vertical_estimate": 3,
+    "vertical_velocity": 3,
+    "vertical_bias": 3,
+    "vertical_reference": 3,
+    "vertical_desired": 3,
+    "vertical_achieved": 3,
+    "vertical_truth": 3,
+    "tau_feasible": PER_AXIS,
+    "tau_qp": PER_AXIS,
+    "feasible_load": 1,
 }
+# Series of submerged vehicles only.
+VERTICAL = frozenset(name for name in WIDTHS if name.startswith("vertical_"))
 # Fields of propulsion_truth; their series begin with truth_.
 PROPULSION_TRUTH = ("thrust", "thrust_loss", "torque_loss", "submergence", "advance_speed")
 # Series that are there only while what they tell of is switched on.
-SOMETIMES = frozenset(
-    (
-        "ventilating",
-        "beta_q",
-        "beta_q2",
-        "torque_loss",
-        "minimum_gain",
-        "minimum_gain_both_ways",
-        "minimum_gain_free",
-        "performance_measure",
-        "crossing",
-        "wind",
+SOMETIMES = (
+    frozenset(
+        (
+            "ventilating",
+            "beta_q",
+            "beta_q2",
+            "torque_loss",
+            "minimum_gain",
+            "minimum_gain_both_ways",
+            "minimum_gain_free",
+            "performance_measure",
+            "crossing",
+            "wind",
+            "code",
+            "tau_feasible",
+            "tau_qp",
+            "feasible_load",
+        )
     )
+    | VERTICAL
 )
+
+
+def width(series: str, thrusters: int, axes: int) -> int:
+    """Return how many columns a series has with so many thrusters and degrees of freedom."""
+    return {PER_THRUSTER: thrusters, PER_AXIS: axes}.get(WIDTHS[series], WIDTHS[series])
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,7 +262,9 @@ class RunData:
     series
         By name; names and widths as in ``WIDTHS``.
     labels
-        By name: observer_status, controller_mode, controller_status, allocation_status, azimuth_mode.
+        By name: observer_status, controller_mode, controller_status, allocation_status, azimuth_mode, method.
+    degrees_of_freedom
+        Of the vessel.
 
     Raises
     ------
@@ -236,14 +276,15 @@ class RunData:
     thrusters: tuple[str, ...]
     series: Mapping[str, Series]
     labels: Mapping[str, Labels] = field(default_factory=dict)
+    degrees_of_freedom: tuple[str, ...] = HORIZONTAL
 
     def __post_init__(self) -> None:
         for name, entry in self.series.items():
             if name not in WIDTHS:
                 raise InputError(f"series: expected one of {', '.join(WIDTHS)}, found '{name}'")
-            width = WIDTHS[name] or len(self.thrusters)
-            if entry.values.shape != (len(entry.t), width):
-                raise InputError(f"series {name}: expected shape ({len(entry.t)}, {width}), found {entry.values.shape}")
+            expected = (len(entry.t), width(name, len(self.thrusters), len(self.degrees_of_freedom)))
+            if entry.values.shape != expected:
+                raise InputError(f"series {name}: expected shape {expected}, found {entry.values.shape}")
             if len(entry.t) > 1 and not (np.diff(entry.t) > 0.0).all():
                 raise InputError(f"series {name}: expected increasing time")
 

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from dp_tools.run_data import SOMETIMES, WIDTHS, Labels, RunData, RunInfo, Series
+from dp_tools.run_data import SOMETIMES, WIDTHS, Labels, RunData, RunInfo, Series, width
+from marine_model import Vessel
 from marine_model.guards import FloatArray
 
 
@@ -15,21 +16,20 @@ class RunLog:
 
     Parameters
     ----------
-    thrusters
-        Names, in the order of the vessel file.
+    vessel
+        That is sailed.
     samples, feedbacks
         Number of rows at the control rate and at the drivers' rate.
     at_feedback
         Names of the series at the drivers' rate; all others are at the control rate.
     """
 
-    def __init__(self, thrusters: tuple[str, ...], samples: int, feedbacks: int, at_feedback: frozenset[str]) -> None:
-        n = len(thrusters)
-        self._thrusters = thrusters
+    def __init__(self, vessel: Vessel, samples: int, feedbacks: int, at_feedback: frozenset[str]) -> None:
+        n, m = len(vessel.thrusters), len(vessel.degrees_of_freedom)
+        self._thrusters, self._axes = vessel.thruster_names, vessel.degrees_of_freedom
         self._at_feedback = at_feedback
         self.rows: Mapping[str, FloatArray] = {
-            name: np.full((feedbacks if name in at_feedback else samples, width or n), np.nan)
-            for name, width in WIDTHS.items()
+            name: np.full((feedbacks if name in at_feedback else samples, width(name, n, m)), np.nan) for name in WIDTHS
         }
         self._changes: dict[str, tuple[list[float], list[str]]] = {}
 
@@ -53,4 +53,4 @@ class RunLog:
                 t, rows = t[written], rows[written]
             series[name] = Series(t, rows)
         labels = {name: Labels(np.array(times), tuple(words)) for name, (times, words) in self._changes.items()}
-        return RunData(info, self._thrusters, series, labels)
+        return RunData(info, self._thrusters, series, labels, self._axes)

@@ -26,6 +26,8 @@ class RunTopic:
         Series by field.
     orientation
         Field of a quaternion and the series whose third column is its heading; None without one.
+    attitude
+        Series whose second and third column are roll and pitch of that quaternion: of a submerged vehicle.
     words
         Label by text field.
     by_thruster
@@ -48,6 +50,7 @@ class RunTopic:
     frame: str
     numbers: Mapping[str, Source]
     orientation: tuple[str, str] | None = None
+    attitude: str = ""
     words: Mapping[str, str] = field(default_factory=dict)
     by_thruster: bool = False
     only_if: Mapping[str, str] = field(default_factory=dict)
@@ -75,12 +78,19 @@ def _whole(*names: str) -> dict[str, Source]:
     return {name: (name, None) for name in names}
 
 
-def _wrench(series: str) -> dict[str, Source]:
-    return {f"wrench.{part}": (series, i) for i, part in enumerate(("force.x", "force.y", "torque.z"))}
+def _wrench(series: str, vertical: str) -> dict[str, Source]:
+    horizontal: dict[str, Source] = {
+        f"wrench.{part}": (series, i) for i, part in enumerate(("force.x", "force.y", "torque.z"))
+    }
+    return horizontal | {f"wrench.{part}": (vertical, i) for i, part in enumerate(("force.z", "torque.x", "torque.y"))}
 
 
-def _place(prefix: str, series: str) -> dict[str, Source]:
-    return {f"{prefix}.position.x": (series, 0), f"{prefix}.position.y": (series, 1)}
+def _place(prefix: str, series: str, vertical: str) -> dict[str, Source]:
+    return {
+        f"{prefix}.position.x": (series, 0),
+        f"{prefix}.position.y": (series, 1),
+        f"{prefix}.position.z": (vertical, 0),
+    }
 
 
 _WRENCH_REST = {"wrench.force.z": 0.0, "wrench.torque.x": 0.0, "wrench.torque.y": 0.0}
@@ -96,8 +106,9 @@ TOPICS: tuple[RunTopic, ...] = (
         "truth",
         "nav_msgs/msg/Odometry",
         MAP_FRAME,
-        _place("pose.pose", "truth_position"),
+        _place("pose.pose", "truth_position", "vertical_truth"),
         orientation=("pose.pose.orientation", "truth_position"),
+        attitude="vertical_truth",
         constants={**_POSE_REST, **_TWIST_REST},
         texts={"child_frame_id": BODY_FRAME},
     ),
@@ -119,8 +130,9 @@ TOPICS: tuple[RunTopic, ...] = (
         "pose",
         "geometry_msgs/msg/PoseWithCovarianceStamped",
         MAP_FRAME,
-        _place("pose.pose", "pose"),
+        _place("pose.pose", "pose", "vertical_pose"),
         orientation=("pose.pose.orientation", "pose"),
+        attitude="vertical_pose",
         constants=_POSE_REST,
     ),
     RunTopic(
@@ -128,12 +140,16 @@ TOPICS: tuple[RunTopic, ...] = (
         "nav_msgs/msg/Odometry",
         MAP_FRAME,
         {
-            **_place("pose.pose", "estimate_position"),
+            **_place("pose.pose", "estimate_position", "vertical_estimate"),
             "twist.twist.linear.x": ("estimate_velocity", 0),
             "twist.twist.linear.y": ("estimate_velocity", 1),
             "twist.twist.angular.z": ("estimate_velocity", 2),
+            "twist.twist.linear.z": ("vertical_velocity", 0),
+            "twist.twist.angular.x": ("vertical_velocity", 1),
+            "twist.twist.angular.y": ("vertical_velocity", 2),
         },
         orientation=("pose.pose.orientation", "estimate_position"),
+        attitude="vertical_estimate",
         constants={**_POSE_REST, **_TWIST_REST},
         texts={"child_frame_id": BODY_FRAME},
     ),
@@ -145,7 +161,11 @@ TOPICS: tuple[RunTopic, ...] = (
         words={"status": "observer_status"},
     ),
     RunTopic(
-        "tau_desired", "geometry_msgs/msg/WrenchStamped", BODY_FRAME, _wrench("tau_desired"), constants=_WRENCH_REST
+        "tau_desired",
+        "geometry_msgs/msg/WrenchStamped",
+        BODY_FRAME,
+        _wrench("tau_desired", "vertical_desired"),
+        constants=_WRENCH_REST,
     ),
     RunTopic(
         "controller_status",
@@ -172,7 +192,11 @@ TOPICS: tuple[RunTopic, ...] = (
         by_thruster=True,
     ),
     RunTopic(
-        "tau_achieved", "geometry_msgs/msg/WrenchStamped", BODY_FRAME, _wrench("tau_achieved"), constants=_WRENCH_REST
+        "tau_achieved",
+        "geometry_msgs/msg/WrenchStamped",
+        BODY_FRAME,
+        _wrench("tau_achieved", "vertical_achieved"),
+        constants=_WRENCH_REST,
     ),
     RunTopic(
         "allocation_status",

@@ -29,6 +29,9 @@ NodeParameters = Annotated[dict[str, dict[str, ParameterValue]], Unit("")]
 Window = Annotated[tuple[float, float], Field(strict=False), Unit("s")]  # start and end
 Time = Annotated[NonNegative, Unit("s")]
 Position = Annotated[Vector3, Unit("m, m, rad")]  # in map_ned
+# Of a submerged vehicle: north, east, depth, roll, pitch, heading; and a force along all six axes.
+Pose = Annotated[tuple[float, float, float, float, float, float], Field(strict=False), Unit("m, m, m, rad, rad, rad")]
+Wrench = Annotated[tuple[float, float, float, float, float, float], Field(strict=False), Unit("N, N, N, N m, N m, N m")]
 
 
 class PathPoint(Section):
@@ -44,8 +47,9 @@ class Event(Section):
     at: Time  # whole samples of the control system
     label: str = ""  # shown in the report
     parameters: NodeParameters = Field(default_factory=dict)
-    setpoint: Position | None = None
-    joystick: Annotated[Vector3 | None, Unit("N, N, N m")] = None  # in the body frame
+    # Three numbers for a vessel on the surface, six for a submerged vehicle.
+    setpoint: Position | Pose | None = None
+    joystick: Annotated[Vector3, Unit("N, N, N m")] | Wrench | None = None  # in the body frame
     path: Annotated[tuple[PathPoint, ...], Field(strict=False, min_length=2)] | None = None
 
     @model_validator(mode="after")
@@ -231,6 +235,7 @@ def _problems(scenario: Scenario, document: YamlDocument, vessel: Vessel) -> Ite
         *_window_problems(scenario),
         *_figure_problems(scenario, vessel),
         *_parameter_problems(scenario, vessel),
+        *_axis_problems(scenario, vessel),
     ):
         yield document.problem(field, message)
 
@@ -284,6 +289,19 @@ def _figure_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[Field
                 if thruster not in vessel.thruster_names:
                     known = ", ".join(vessel.thruster_names)
                     yield (name, i, field), f"expected one of {known}, found '{thruster}'"
+
+
+def _axis_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[FieldPath, str]]:
+    """Yield set points and forces of the joystick that have not the numbers of the vessel's motion."""
+    expected = 6 if vessel.is_submerged else 3
+    for i, event in enumerate(scenario.events):
+        for name in ("setpoint", "joystick"):
+            given = getattr(event, name)
+            if given is not None and len(given) != expected:
+                yield (
+                    ("events", i, name),
+                    f"expected {expected} numbers for '{vessel.name}', found {len(given)}: {list(given)}",
+                )
 
 
 def _parameter_problems(scenario: Scenario, vessel: Vessel) -> Iterator[tuple[FieldPath, str]]:
