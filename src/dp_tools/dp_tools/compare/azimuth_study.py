@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import degrees, radians
+from math import degrees, radians, sin
 
 import numpy as np
 
@@ -41,7 +41,7 @@ class AngleShares:
     kept_in_vain
         Within the asteroid, and not given by the pseudo-inverse at the angle of the example, which step 2 keeps.
     kept_and_short
-        The same by any thrusts at that angle.
+        The same by any thrusts.
     """
 
     count: int
@@ -68,11 +68,11 @@ class AngleCase:
         tau' of the algorithm, N.
     printed, printed_angle
         The same in print, N and deg; None where nothing is printed.
-    needed_at, room, largest_at
-        At the angle of the example, N: |X| / cos a + |Y| / sin a, what the method has for it, 4 (f_max - f_tau3), and
-        the largest thrust of the pseudo-inverse with the whole moment.
-    multiple_at
-        How many times the demand can be given there by any thrusts within limits.
+    needed_at, largest_at
+        At the angle of the example, N: |X| / cos a + |Y| / sin a, for which the method has tau_1max, and the largest
+        thrust of the pseudo-inverse with the whole moment.
+    pseudo_at, multiple_at
+        How many times the demand can be given there: by the pseudo-inverse, and by any thrusts within limits.
     """
 
     name: str
@@ -87,8 +87,8 @@ class AngleCase:
     printed: tuple[float, float] | None
     printed_angle: float | None
     needed_at: float
-    room: float
     largest_at: float
+    pseudo_at: float
     multiple_at: float
 
 
@@ -102,8 +102,8 @@ class AzimuthStudy:
         The propellers.
     moment, reserved, limit
         Reserved yaw moment, N m; f_tau3 of (14) and tau_1max of (15), N.
-    present
-        The angle that demands are looked at with, deg.
+    present, room
+        The angle that demands are looked at with, deg, and what the moment leaves there by the pseudo-inverse, N.
     together_outline
         Boundary of the set at a common angle, shape (k, 2), N.
     apart_set
@@ -119,6 +119,7 @@ class AzimuthStudy:
     reserved: float
     limit: float
     present: float
+    room: float
     together_outline: FloatArray
     apart_set: Polytope
     asteroid_area: float
@@ -163,6 +164,7 @@ def study_azimuth(square: AzimuthSquare, demands: int, generator: np.random.Gene
         reserved,
         limit,
         present,
+        _room(square, moment, radians(present)),
         outline,
         each,
         asteroid_area(limit),
@@ -173,6 +175,11 @@ def study_azimuth(square: AzimuthSquare, demands: int, generator: np.random.Gene
     )
 
 
+def _room(square: AzimuthSquare, moment: float, angle: float) -> float:
+    """Return what ``moment`` (N m) leaves for |X| / cos a + |Y| / sin a at ``angle`` (rad) by the pseudo-inverse, N."""
+    return 4.0 * square.thrust_max - moment / (square.distance * sin(angle + square.bearing))
+
+
 def _shares(
     square: AzimuthSquare, moment: float, limit: float, each: Polytope, count: int, generator: np.random.Generator
 ) -> AngleShares:
@@ -180,7 +187,7 @@ def _shares(
     surge, sway = tau.T
     in_asteroid = inside(np.array([asteroid_load(*pair, limit) for pair in tau.tolist()]))
     angle = radians(AZIMUTH_ANGLE_DEGREES)
-    by_method = inside(np.array([load_at(*pair, angle, limit) for pair in tau.tolist()]))
+    by_method = inside(np.array([load_at(*pair, angle, _room(square, moment, angle)) for pair in tau.tolist()]))
     by_any = inside(load_together(square, moment, surge, sway, angle))
     return AngleShares(
         count,
@@ -206,7 +213,7 @@ def _case(
     choice = next_angle(surge, sway, present, limit, limit, 0.0)
     load, angle = best_together(square, moment, np.array(surge), np.array(sway))
     needed = load_at(surge, sway, present, 1.0)
-    yaw = moment / (square.distance * np.sin(present + square.bearing))
+    room = _room(square, moment, present)
     return AngleCase(
         name,
         surge,
@@ -220,7 +227,7 @@ def _case(
         AZIMUTH_EXAMPLE.reduced[:2] if printed and AZIMUTH_EXAMPLE.reduced is not None else None,
         AZIMUTH_ANGLE_DEGREES if printed else None,
         needed,
-        limit,
-        (needed + yaw) / 4.0,
+        needed / 4.0 + square.thrust_max - room / 4.0,
+        room / needed,
         1.0 / float(load_together(square, moment, np.array(surge), np.array(sway), present)),
     )

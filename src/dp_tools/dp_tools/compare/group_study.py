@@ -18,6 +18,8 @@ from thrust_allocator.feasible import octahedron_load, reduce_by_priority, reduc
 # Share of a corner of the attainable set at which the demand to look at lies: within it, thrust to spare.
 _WITHIN = 0.9
 _DIGITS = 3
+# Where no paper fits, so many times that demand are reduced: beyond the attainable set.
+_BEYOND = 1.25
 # Demands between two calls of the progress.
 _CHUNK = 250
 
@@ -141,11 +143,11 @@ class GroupStudy:
     volumes, shares
         See there.
     corner_loads
-        How many times the attainable set must grow to reach the largest force of every axis as printed, (m,).
+        How many times the attainable set must grow to reach the largest force of every axis as printed, both ways, (m,).
     refused
         None with one axis.
     reductions
-        Of the papers' demands where they fit, else of the refused one.
+        Of the papers' demands where they fit, else of one beyond the refused one.
     """
 
     group: Group
@@ -189,13 +191,13 @@ def study_group(
     papers = examples_for(group.axes, group.printed)
     cases = [(one.source, np.array(one.demand), one.reduced) for one in papers]
     if not cases and refused is not None:
-        cases = [("the demand above", refused.demand, None)]
+        cases = [(f"{_BEYOND:g} times the demand above", _BEYOND * refused.demand, None)]
     return GroupStudy(
         group,
         exact,
         volumes,
         _shares(group, exact, program, demands, generator, advance),
-        exact.load(np.diag(group.printed)),
+        exact.load(np.stack([np.diag(group.printed), -np.diag(group.printed)])).max(axis=0),
         refused,
         tuple(_reduction(group, exact, program, *case) for case in cases),
     )
