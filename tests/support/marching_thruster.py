@@ -58,3 +58,14 @@ def driven_vessel() -> Vessel:
         thruster["propeller"] = dict(PROPELLER)
         thruster["drive"] = drive_data().model_dump()
     return Vessel.model_validate(content)
+
+
+@cache
+def straight_vessel() -> Vessel:
+    """The same with all five thrusters along the hull, so that the speed of the vessel is that along the shafts."""
+    content = driven_vessel().model_dump()
+    content["degrees_of_freedom"] = ["surge"]
+    content["allocator"]["slack_weight"] = [1.0]
+    for thruster in content["thrusters"]:
+        thruster["axis"] = [1.0, 0.0, 0.0]
+    return Vessel.model_validate(content)

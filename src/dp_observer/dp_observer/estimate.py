@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from dp_observer.vertical import VerticalEstimate
 from marine_model.guards import FloatArray
 
 
@@ -31,10 +32,17 @@ class ObserverInputs:
         None if there is no fix.
     tau
         Generalized force (N, N, N m), shape (3,), in the body frame, that acted since the last step.
+    vertical
+        Of a submerged vehicle: measured depth (m), roll, pitch (rad), shape (3,); None if there is no fix.
+    vertical_tau
+        Of a submerged vehicle: force along heave (N), moments about roll and pitch (N m), shape (3,), that acted since
+        the last step; None for none.
     """
 
     position: FloatArray | None
     tau: FloatArray
+    vertical: FloatArray | None = None
+    vertical_tau: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +67,8 @@ class ObserverEstimate:
         How this estimate came about.
     time_since_measurement
         Age (s) of the last fix used, or time since the first step if there was none.
+    vertical
+        Depth, roll and pitch of a submerged vehicle; None for a vessel on the surface.
     """
 
     position: FloatArray
@@ -69,3 +79,4 @@ class ObserverEstimate:
     valid: bool
     status: ObserverStatus
     time_since_measurement: float
+    vertical: VerticalEstimate | None = None

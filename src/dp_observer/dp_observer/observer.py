@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 
 import numpy as np
 
 from dp_observer.estimate import ObserverEstimate, ObserverInputs, ObserverStatus
-from dp_observer.input_checks import checked_position, checked_step, checked_tau
+from dp_observer.input_checks import checked_position, checked_step, checked_tau, checked_vertical
 from dp_observer.measurement_gate import MeasurementGate, Verdict
 from dp_observer.model import (
     BIAS,
@@ -20,14 +21,12 @@ from dp_observer.model import (
     ObserverModel,
 )
 from dp_observer.settings import ObserverSettings
+from dp_observer.vertical import LATE, VerticalObserver
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 
 _ROUNDING = 1.0e-9  # s, of ages added up from steps
-
-# A step longer than this many samples has missed one: the measurement says nothing about the time before.
-_LATE = 1.5
 
 
 class Observer:
@@ -59,6 +58,9 @@ class Observer:
         self._initialised = False
         self._last_fix: FloatArray | None = None  # of the last step, if it was used
         self._age = 0.0  # s since the last fix used
+        self._vertical: VerticalObserver | None = None
+        if vessel.vertical is not None:
+            self._vertical = VerticalObserver(vessel.vertical.observer, vessel.hull.length, self._sample_time)
 
     @property
     def settings(self) -> ObserverSettings:
@@ -73,6 +75,8 @@ class Observer:
         """Return an observer in the same state that goes its own way, e.g. to look ahead."""
         twin = copy.copy(self)
         twin._gate = copy.copy(self._gate)
+        if self._vertical is not None:
+            twin._vertical = self._vertical.fork()
         return twin
 
     def step(self, inputs: ObserverInputs, dt: float) -> ObserverEstimate:
@@ -86,9 +90,31 @@ class Observer:
         """
         dt = checked_step(dt)
         tau = checked_tau(inputs.tau)
+        if self._vertical is None:
+            return self._step(inputs, tau, dt)
+        inputs = checked_vertical(inputs)
+        return self._with_vertical(self._vertical, self._step(inputs, tau, dt), inputs, dt)
+
+    def _step(self, inputs: ObserverInputs, tau: FloatArray, dt: float) -> ObserverEstimate:
+        """Advance the horizontal plane."""
         if inputs.position is None:
             return self._dead_reckon(tau, dt)
         return self._measure(checked_position(inputs.position), tau, dt)
+
+    def _with_vertical(
+        self, vertical: VerticalObserver, estimate: ObserverEstimate, inputs: ObserverInputs, dt: float
+    ) -> ObserverEstimate:
+        """Return the estimate with depth, roll and pitch; a pose refused in the horizontal plane counts for neither."""
+        status = estimate.status
+        if status in (ObserverStatus.INITIALISED, ObserverStatus.REINITIALISED, ObserverStatus.UNINITIALISED):
+            below = vertical.restart(inputs)
+        elif status is ObserverStatus.NOMINAL:
+            below = vertical.correct(inputs, dt, self._settings)
+            if below.refused:
+                status = ObserverStatus.OUTLIER_REFUSED
+        else:
+            below = vertical.predict(inputs, min(dt, self._longest_prediction()))
+        return replace(estimate, status=status, vertical=below)
 
     def _dead_reckon(self, tau: FloatArray, dt: float) -> ObserverEstimate:
         self._age += dt
@@ -104,7 +130,7 @@ class Observer:
             return self._restart(fix, np.zeros(3), ObserverStatus.INITIALISED)
         self._age += dt
         start, last_fix = self._state, self._last_fix
-        if dt > _LATE * self._sample_time:
+        if dt > LATE * self._sample_time:
             gap = dt - self._sample_time
             start = self._predicted(start, tau, min(gap, self._longest_prediction()))
             last_fix, dt = None, self._sample_time

@@ -20,10 +20,11 @@ from marine_model import Vessel
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
 from marine_model.guards import FloatArray, finite_vector
+from vessel_sim.interface import SimulatorInputs
 from vessel_sim.node_health import SimulatorState, health_of
 from vessel_sim.pace import Pace
 from vessel_sim.settings import check_settings
-from vessel_sim.simulator import Simulator, SimulatorInputs
+from vessel_sim.simulator import Simulator
 from vessel_sim.time_settings import NodeSettings
 
 _WATCH_PERIOD = 0.1  # s of wall time between two looks at the graph and at answers that are overdue

@@ -100,6 +100,16 @@ def test_thrust_in_equilibrium_against_table_2() -> None:
     assert [largest for largest, _ in constant] == pytest.approx([0.0, 2.75, 5.89, 8.39, 11.40], abs=6e-3)
 
 
+def test_thrust_in_equilibrium_over_all_codes() -> None:
+    """Every code that Table 2 gives thrust: largest difference, N, at 0, 0.5, 1, 1.5 and 2 m/s, near the dead zone."""
+    found = []
+    for speed in SPEEDS:
+        codes = range(math.ceil(THRUST.dead_zone(speed)), 128)
+        thrust = [float(MODEL.forces(equilibrium(DRIVE, code, speed), speed, DENSITY)[0]) for code in codes]
+        found.append(max(abs(T - THRUST.thrust(code, speed)) for T, code in zip(thrust, codes, strict=True)))
+    assert found == pytest.approx([0.0, 0.395, 0.871, 0.236, 0.440], abs=1e-3)
+
+
 def test_torque_is_odd_and_falls_back_without_a_shaft_speed() -> None:
     for code in (0, 5, 50, 127):
         for n in (-40.0, 0.0, 12.5, 40.0):
