@@ -15,6 +15,7 @@ from thrust_allocator.feasible.garus_azimuth import (
     asteroid_excess,
     asteroid_load,
     best_angle,
+    check_moment,
     check_range,
     fold,
     force_limit,
@@ -178,12 +179,12 @@ def test_bad_range(angle_min: float) -> None:
 def test_bad_moment(moment: float) -> None:
     assert largest_moment(SQUARE, 0.0) == pytest.approx(200.0)
     with pytest.raises(InputError, match=r"reserved_moment: expected 0 or more and less than 200 N m, which all four"):
-        reserved_thrust(SQUARE, moment, 0.0)
+        check_moment(SQUARE, moment, 0.0)
 
 
 def test_not_a_square() -> None:
     strength = np.full(4, 250.0)
-    with pytest.raises(InputError, match="expected four azimuth thrusters .* found 3 azimuth thrusters"):
+    with pytest.raises(InputError, match=r"expected four azimuth thrusters .* found 3 azimuth thrusters"):
         AzimuthSquare.of((0, 1, 2), X[:3], Y[:3], strength[:3])
     with pytest.raises(InputError, match=r"found them at \(0\.5, -0\.2\) m"):
         AzimuthSquare.of((0, 1, 2, 3), np.array([0.5, *X[1:]]), Y, strength)

@@ -220,7 +220,8 @@ def test_priority_for_any_demand(kept: int | None, weights: tuple[float, float, 
     reduced = reduce_by_priority(DEMANDS, PRINTED, weight, kept)
     factor = reduced / DEMANDS
     load = octahedron_load(reduced, PRINTED)
-    assert (factor >= 0.0).all() and (factor <= 1.0).all()
+    assert (factor >= 0.0).all()
+    assert (factor <= 1.0).all()
     outside = octahedron_load(DEMANDS, PRINTED) > 1.0
     np.testing.assert_array_equal(reduced[~outside], DEMANDS[~outside])
     # All of the octahedron is used.

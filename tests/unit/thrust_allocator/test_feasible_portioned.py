@@ -66,12 +66,13 @@ def test_every_demand_within_its_portion_is_met() -> None:
     assert (np.abs(found.thrust[:, :4]) <= T_MAX * (1.0 + 1e-12)).all()
     np.testing.assert_array_equal(np.clip(found.thrust[:, 4], -42.0, 42.0), found.thrust[:, 4])
     met = found.load <= 1.0
-    assert met.sum() > 4000 and (~met).sum() > 500
+    assert met.sum() > 4000
+    assert (~met).sum() > 500
     np.testing.assert_allclose(forces(found.thrust)[met], tau[met], atol=1e-12 * SURGE)
 
 
 def test_channels_are_independent() -> None:
-    """Whatever is asked of the others, surge and yaw come out the same to rounding; and pitch, while heave stands."""
+    """Whatever is asked of the others, surge and yaw come out the same to rounding; so do heave and pitch as a pair."""
     tau = demands(10_000, 3.0)
     out = forces(portion(*tau.T, CROSS, PORTIONS, T_MAX).thrust)
     for axis, others in ((0, [1, 2, 3]), (3, [0, 1, 2])):
@@ -98,23 +99,25 @@ def test_as_printed_only_a_portion_is_served() -> None:
     assert forces(found.thrust)[0] == pytest.approx(20.0)
 
 
-def test_heave_before_pitch() -> None:
-    """Pitch beyond its portion, with the bow thruster in reach: heave is exact, pitch is what can be had."""
-    tau = np.array([0.0, 10.0, 60.0, 0.0])
-    found = portion(*tau, CROSS, PORTIONS, T_MAX)
-    out = forces(found.thrust)
-    assert out[1] == pytest.approx(10.0)
-    assert found.load > 1.0 and 0.0 < out[2] < 60.0
-    assert found.thrust[1] == pytest.approx(0.4 * T_MAX)
+def test_heave_and_pitch_by_hand() -> None:
+    """T_B = (M - L_s Z) / 1.8 and 2 T_psi sin(delta) = (M + L_b Z) / 1.8: heave without by-product."""
+    found = portion(*np.array([0.0, 0.0, 9.0, 0.0]), CROSS, PORTIONS, T_MAX)
+    psi = 5.0 / (2.0 * sin(DELTA))
+    np.testing.assert_allclose(found.thrust, [-psi, psi, 0.0, 0.0, 5.0], atol=1e-14)
+    np.testing.assert_allclose(forces(found.thrust), [0.0, 0.0, 9.0, 0.0], atol=1e-14)
+    # (6) takes all of it from the marching thrusters, and lifts the vehicle by 9 N.
+    psi = 9.0 / (2.0 * sin(DELTA))
+    np.testing.assert_allclose(forces(np.array([-psi, psi, 0.0, 0.0, 0.0])), [0.0, 9.0, 9.0, 0.0], atol=1e-14)
 
 
-def test_a_saturated_bow_thruster_leaves_pitch() -> None:
-    found = portion(*np.array([0.0, -100.0, 2.0, 0.0]), CROSS, Portions(0.0, 1.0, 1.0), 42.0)
-    out = forces(found.thrust)
-    # All the bow thruster has turns the bow up by 33.6 N m; the stern is lifted to hold it.
-    assert found.thrust[4] == 42.0
-    assert out[2] == pytest.approx(2.0)
-    assert -100.0 < out[1] < 0.0
+@pytest.mark.parametrize(("heave", "pitch"), [(10.0, 60.0), (-100.0, 2.0), (80.0, 120.0), (-300.0, -1.0)])
+def test_heave_and_pitch_are_reduced_together(heave: float, pitch: float) -> None:
+    """Beyond the bow thruster or the portion of pitch: neither turns round for the other."""
+    found = portion(*np.array([0.0, heave, pitch, 0.0]), CROSS, PORTIONS, T_MAX)
+    assert found.load > 1.0
+    np.testing.assert_allclose(forces(found.thrust), np.array([0.0, heave, pitch, 0.0]) / found.load, atol=1e-12)
+    at_limit = [abs(found.thrust[4]) == pytest.approx(42.0), abs(found.thrust[1]) == pytest.approx(0.4 * T_MAX)]
+    assert any(at_limit)
 
 
 def test_no_demand_and_no_thrust() -> None:

@@ -113,21 +113,26 @@ def largest_moment(square: AzimuthSquare, angle_min: float) -> float:
     return 4.0 * square.distance * least * square.thrust_max
 
 
-def reserved_thrust(square: AzimuthSquare, moment: float, angle_min: float) -> float:
-    """Return f_tau3, N: what every propeller keeps for the reserved yaw ``moment`` (N m), (14).
+def check_moment(square: AzimuthSquare, moment: float, angle_min: float) -> None:
+    """Check the reserved yaw ``moment`` (N m).
 
     Raises
     ------
     InputError
-        If the moment is not 0 or more and less than that of (12).
+        If it is not 0 or more and less than that of (12).
     """
     largest = largest_moment(square, angle_min)
     if not 0.0 <= moment < largest:
         raise InputError(
-            f"garus_azimuth.reserved_moment: expected 0 or more and less than {largest:.6g} N m, which all four give at "
-            f"any angle, found {moment}"
+            f"garus_azimuth.reserved_moment: expected 0 or more and less than {largest:.6g} N m, which all four give "
+            f"at any angle, found {moment}"
         )
-    return square.thrust_max * moment / largest
+
+
+def reserved_thrust(square: AzimuthSquare, moment: float, angle_min: float) -> float:
+    """Return f_tau3, N: what every propeller keeps for the yaw ``moment`` (N m), (14); no more than it has."""
+    largest = largest_moment(square, angle_min)
+    return square.thrust_max * min(moment / largest, 1.0) if largest > 0.0 else 0.0
 
 
 def force_limit(square: AzimuthSquare, reserved: float, angle_min: float) -> float:
@@ -150,7 +155,7 @@ def asteroid_load(surge: float, sway: float, limit: float) -> float:
 
 
 def load_at(surge: float, sway: float, angle: float, room: float) -> float:
-    """Return the left side of (F) over ``room`` = 4 (f_max - f_tau3), N: at most 1 if feasible at thrust angle ``angle``."""
+    """Return the left side of (F) over ``room`` = 4 (f_max - f_tau3), N: at most 1 if feasible at ``angle``."""
     total = 0.0
     for size, part in ((abs(surge), cos(angle)), (abs(sway), sin(angle))):
         if size > 0.0:

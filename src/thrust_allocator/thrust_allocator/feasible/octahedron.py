@@ -84,7 +84,7 @@ def coupled_axes(configuration: FloatArray) -> tuple[Group, ...]:
 
 
 def axis_loads(tau: FloatArray, limits: FloatArray) -> FloatArray:
-    """Return |tau_i| / tau_i^max, shape (..., m): terms of (3.1); infinite for a demand in an axis without a limit above 0.
+    """Return |tau_i| / tau_i^max, shape (..., m): terms of (3.1); infinite for a demand in an axis with limit 0.
 
     Parameters
     ----------
@@ -100,13 +100,13 @@ def axis_loads(tau: FloatArray, limits: FloatArray) -> FloatArray:
 
 
 def octahedron_load(tau: FloatArray, limits: FloatArray) -> FloatArray:
-    """Return the left side of (3.1), shape (...): at most 1 within the octahedron. Arguments as in :func:`axis_loads`."""
+    """Return the left side of (3.1), shape (...): at most 1 within the octahedron. Arguments as for the loads."""
     load: FloatArray = axis_loads(tau, limits).sum(axis=-1)
     return load
 
 
 def reduce_proportionally(tau: FloatArray, limits: FloatArray) -> FloatArray:
-    """Return the demand, brought to the octahedron along its direction, shape (..., m): [Garus-F] (3.3), [Garus-N] (12).
+    """Return the demand, brought to the octahedron along its direction, shape (..., m): [Garus-F] (3.3).
 
     (3.3) divides by the first element of the demand, which may be zero. The same point is the demand over its load, by
     (3.4), so that all ratios (3.2) are kept whatever is zero. What is asked in an axis that has no thruster is given up

@@ -8,9 +8,9 @@ starboard (R), and up (B). So (5) reads
     X = (T_U + T_D + T_L + T_R) cos(delta)        -Z = (T_U - T_D) sin(delta) + T_B
    -N = (T_R - T_L) sin(delta) L_s                 M = T_B L_b - (T_U - T_D) sin(delta) L_s
 
-(6) prints T_x = P_x F_x / (4 cos(delta)) where |F_x / (4 cos(delta))| < T_max, else P_x T_max sign(F_x): of every demand
-only its portion, saturated or not. The text wants thrusts that realise the demands, and a limit by portions that makes
-channels independent. So they do as a limit alone,
+(6) prints T_x = P_x F_x / (4 cos(delta)) where |F_x / (4 cos(delta))| < T_max, else P_x T_max sign(F_x): of every
+demand only its portion, saturated or not. The text wants thrusts that realise the demands, and a limit by portions
+that makes channels independent. So they do as a limit alone,
 
     T_x = F_x / (4 cos(delta)) where that is less than P_x T_max in size, else P_x T_max sign(F_x)
 
@@ -18,12 +18,12 @@ and alike for the others. |T_x| + |T_phi| and |T_x| + |T_psi| are then no more t
 asks for up to its portion, and none has a say in another.
 
 Of heave [Kostenko] says that the bow thruster serves it, and calls what the pitch moment of U and D brings with it a
-by-product. Here heave is demanded, so that both are counted: with q = (T_D - T_U) sin(delta) = 2 T_psi sin(delta),
+by-product. Here heave is demanded too, and both are met: with q = (T_D - T_U) sin(delta) = 2 T_psi sin(delta),
 
-    -Z = T_B - q,    M = T_B L_b + q L_s    give    T_B = (M - L_s Z) / (L_s + L_b)
+    -Z = T_B - q,    M = T_B L_b + q L_s    give    T_B = (M - L_s Z) / (L_s + L_b),    q = (M + L_b Z) / (L_s + L_b)
 
-T_B is brought to its limits, q takes what is left of M up to the portion of pitch, and if that is not enough T_B goes
-back to what heave asks for: heave before pitch.
+in place of T_psi = M / (2 L_s sin(delta)). Heave and pitch share these thrusters: if T_psi is beyond its portion or T_B
+beyond its limits, both are reduced by one factor, so that neither is turned round for the sake of the other.
 """
 
 from __future__ import annotations
@@ -126,18 +126,16 @@ def portion(
     arms = cross.stern_arm + cross.bow_arm
     by_surge, surge_load = _limited(surge / along, portions.surge * thrust_max)
     by_yaw, yaw_load = _limited(-yaw / (across * cross.stern_arm), portions.yaw * thrust_max)
-    wanted = (pitch - cross.stern_arm * heave) / arms
-    bow = np.clip(wanted, cross.bow_min, cross.bow_max)
-    by_pitch, pitch_load = _limited(
-        (pitch - cross.bow_arm * bow) / (across * cross.stern_arm), portions.pitch * thrust_max
-    )
-    for_heave = np.clip(across * by_pitch - heave, cross.bow_min, cross.bow_max)
-    bow = np.where(pitch_load > 1.0, for_heave, bow)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        limit = np.where(wanted > 0.0, cross.bow_max, -cross.bow_min)
-        bow_load = np.where(wanted == 0.0, 0.0, np.abs(wanted) / limit)
+    bow = (pitch - cross.stern_arm * heave) / arms
+    lifted = (pitch + cross.bow_arm * heave) / (arms * across)
+    _, lifted_load = _limited(lifted, portions.pitch * thrust_max)
+    _, up = _limited(np.maximum(bow, 0.0), cross.bow_max)
+    _, down = _limited(np.minimum(bow, 0.0), -cross.bow_min)
+    pair_load = np.max([lifted_load, up, down], axis=0)
+    share = 1.0 / np.maximum(pair_load, 1.0)
+    by_pitch, bow = share * lifted, share * bow
     thrust = np.stack([by_surge - by_pitch, by_surge + by_pitch, by_surge - by_yaw, by_surge + by_yaw, bow], axis=-1)
-    return PortionedThrust(thrust, np.max([surge_load, yaw_load, pitch_load, bow_load], axis=0))
+    return PortionedThrust(thrust, np.max([surge_load, yaw_load, pair_load], axis=0))
 
 
 def _limited(thrust: FloatArray, limit: float) -> tuple[FloatArray, FloatArray]:

@@ -15,7 +15,7 @@ RANK_TOLERANCE = 1e-9
 def pseudo_inverse(
     configuration: FloatArray, used: NDArray[np.bool_], axis_weight: FloatArray | None = None
 ) -> FloatArray:
-    """Return B* with f = B* tau, shape (n, m): the Moore-Penrose inverse of the columns in use, zero rows for the others.
+    """Return B* with f = B* tau, shape (n, m): the Moore-Penrose inverse of the columns in use, other rows zero.
 
     It is B' (B B')^-1 of (2.3) while that exists. When thrusters are lost, or all point the same way, B B' is singular;
     f is then the shortest of the thrusts that come nearest to the demand.
