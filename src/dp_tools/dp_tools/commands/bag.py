@@ -26,9 +26,7 @@ from dp_tools.commands.root import console, error_console
 from dp_tools.commands.up import INTERRUPTED
 from dp_tools.replay.selection import Selection
 
-bag_app = typer.Typer(
-    name="bag", help="Look into recordings, check and repair them, cut them, make tables.", no_args_is_help=True
-)
+bag_app = typer.Typer()
 
 Overwrite = Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace what is there.")]
 

@@ -21,7 +21,7 @@ from dp_tools.parameter_template import parameter_template
 from marine_model import load_vessel
 from marine_model.yaml_document import parse_value
 
-parameters_app = typer.Typer(help="Read and change parameters of running nodes.", no_args_is_help=True)
+parameters_app = typer.Typer()
 
 NodeName = Annotated[str, typer.Argument(metavar="NODE", help="Node, e.g. thrust_allocator.")]
 _TYPES = {
