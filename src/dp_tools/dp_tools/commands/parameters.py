@@ -17,7 +17,6 @@ from dp_bringup.operator_node import NoAnswerError, Operator, operator
 from dp_bringup.parameter_file import read_parameter_file, to_parameter_file, yaml_value
 from dp_bringup.parameter_service import RemoteParameters
 from dp_tools.commands.root import Namespace, console
-from dp_tools.parameter_template import parameter_template
 from marine_model import load_vessel
 from marine_model.yaml_document import parse_value
 
@@ -140,6 +139,9 @@ def template(
     ] = None,
 ) -> None:
     """Write a parameter file of one node with every default, unit and meaning; needs no running graph."""
+    # Here: it loads the core of every node, and with it the compiler.
+    from dp_tools.parameter_template import parameter_template
+
     text = parameter_template(node, vessel, load_vessel(vessel))
     if output is None:
         typer.echo(text, nl=False)

@@ -13,6 +13,8 @@ from dp_tools.commands.catalogue import LazyGroup
 console = Console()
 error_console = Console(stderr=True)
 
+INTERRUPTED = 130  # as shells say for a command that Ctrl-C ended
+
 Namespace = Annotated[str, typer.Option(metavar="NAME", help="Namespace of the graph.")]
 
 app = typer.Typer(
