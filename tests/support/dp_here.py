@@ -13,6 +13,7 @@ from dp_tools.cli import main
 from dp_tools.commands import (
     bag,
     compare,
+    bag_options,
     design,
     detection,
     disturb,
@@ -35,6 +36,7 @@ Dp = Callable[..., tuple[int, str]]
 _MODULES = (
     bag,
     compare,
+    bag_options,
     design,
     detection,
     disturb,

@@ -9,6 +9,10 @@ from collections.abc import Callable
 from enum import Enum
 from typing import Any
 
+# The core loads these where it first needs them; a sea or a wind that begins while running shall not wait for that.
+import scipy.integrate
+import scipy.interpolate
+import scipy.special  # noqa: F401
 from dp_msgs.msg import ActuatorSetpoint, PropulsionTruth, ThrusterFeedback
 from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped, WrenchStamped
