@@ -12,6 +12,7 @@ from rich.console import Console
 from dp_tools.cli import main
 from dp_tools.commands import (
     bag,
+    compare,
     design,
     detection,
     disturb,
@@ -33,6 +34,7 @@ from dp_tools.commands import (
 Dp = Callable[..., tuple[int, str]]
 _MODULES = (
     bag,
+    compare,
     design,
     detection,
     disturb,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dp_tools.commands.bag import bag_app
+from dp_tools.commands.compare import compare
 from dp_tools.commands.design import design
 from dp_tools.commands.detection import detection
 from dp_tools.commands.disturb import disturb
@@ -28,6 +29,7 @@ app.command()(status)
 app.command()(topics)
 app.command()(restart)
 app.command()(design)
+app.command()(compare)
 app.command()(propeller)
 app.command()(detection)
 app.command()(disturb)
