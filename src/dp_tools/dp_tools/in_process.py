@@ -48,6 +48,7 @@ _AT_FEEDBACK = frozenset(
         "torque_setpoint",
         "azimuth_rate_setpoint",
         "pitch_ratio_setpoint",
+        "code",
         "ventilating",
         "beta_q",
         "beta_q2",
@@ -101,6 +102,7 @@ class ClosedLoop:
         self._thrust: FloatArray = np.zeros(n)
         self._azimuth: FloatArray = np.zeros(n)
         self._command_stamp = 0  # ns
+        self._surge: tuple[int, float] | None = None  # stamp (ns) of the last valid estimate, and its surge speed
 
     @property
     def time(self) -> float:
@@ -189,6 +191,7 @@ class ClosedLoop:
         pitch_ratio, pitch_setpoint = rows["pitch_ratio"], rows["pitch_ratio_setpoint"]
         ventilating, beta_q, beta_q2 = rows["ventilating"], rows["beta_q"], rows["beta_q2"]
         detects = self._vessel.drivers.ventilation is not None
+        compensates = self._of(DRIVERS, DriverSettings).needs_speed(self._vessel)
         elapsed = step_ns * 1e-9  # as nodes find it from stamps
         output = simulator.output
         for k in range(self._tick, until):
@@ -212,18 +215,28 @@ class ClosedLoop:
                     output.torque,
                     output.azimuth,
                     output.pitch_ratio,
+                    self._surge_speed(k) if compensates else None,
                 ),
                 elapsed if k else step,
             )
             torque_setpoint[k] = setpoint.torque
             rate_setpoint[k] = setpoint.azimuth_rate
             pitch_setpoint[k] = setpoint.pitch_ratio
+            if setpoint.code.size:
+                rows["code"][k] = setpoint.code
             if detects:
                 ventilating[k] = setpoint.ventilating
                 beta_q[k] = setpoint.beta_q
                 beta_q2[k] = setpoint.beta_q2
             output = simulator.step(SimulatorInputs(setpoint.torque, setpoint.azimuth_rate, setpoint.pitch_ratio), step)
         self._tick = max(until, self._tick)
+
+    def _surge_speed(self, k: int) -> float | None:
+        """Return the surge speed (m/s) that the drivers know at tick ``k``; None if it is stale or none has come."""
+        limit = self._of(DRIVERS, DriverSettings).command_timeout or self._vessel.drivers.command_timeout
+        if self._surge is None or (k * self._step_ns - self._surge[0]) * 1e-9 > limit:
+            return None
+        return self._surge[1]
 
     def _estimate(
         self, now: int, pose: FloatArray | None, elapsed: float
@@ -277,6 +290,8 @@ class ClosedLoop:
         self._tau_achieved = answer.tau_achieved
         self._thrust, self._azimuth = answer.thrust, answer.azimuth
         self._command_stamp = stamp
+        if estimate.valid:
+            self._surge = stamp, float(estimate.velocity[0])
         self._answered = k * self._step_ns
 
         log, rows, i = self._log, self._log.rows, k // self._ratio

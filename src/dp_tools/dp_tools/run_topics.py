@@ -227,8 +227,10 @@ TOPICS: tuple[RunTopic, ...] = (
             "torque": ("torque_setpoint", None),
             "azimuth_rate": ("azimuth_rate_setpoint", None),
             "pitch_ratio": ("pitch_ratio_setpoint", None),
+            "code": ("code", None),
         },
         by_thruster=True,
+        only_finite=frozenset(("code",)),
     ),
     RunTopic(
         "ventilation",

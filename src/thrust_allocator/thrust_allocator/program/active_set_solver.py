@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import nnls
 
 from marine_model.guards import FloatArray
 from thrust_allocator.program.active_set import polish, pull_of, solve
@@ -52,6 +51,8 @@ def solution_of(problem: AllocationProblem, force: FloatArray, multiplier: Float
     force, multiplier, steps
         Cartesian thrusts (n, 2), N; multipliers of the generalized force, (m,); steps it took.
     """
+    from scipy.optimize import nnls  # here: its import is slow, and no step of the allocator needs it
+
     weights, k = problem.weights, problem.bounds
     columns = weights.columns
     z = np.empty(problem.variables)
