@@ -286,6 +286,8 @@ class ClosedLoop:
                 )
             # Of the feedback before, as on the graph: the drivers answer that of this tick later.
             self._allocator.measure_ventilation(self._log.rows["beta_q2"][k - 1], self._step_ns * 1e-9)
+        if settings.needs_speed:
+            self._allocator.measure_speed(float(estimate.velocity[0]))
         answer = self._allocator.step(demand.tau_desired, elapsed)
         self._tau_achieved = answer.tau_achieved
         self._thrust, self._azimuth = answer.thrust, answer.azimuth

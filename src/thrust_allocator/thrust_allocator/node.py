@@ -21,6 +21,7 @@ from marine_model.frames import BODY_FRAME
 from marine_model.guards import FloatArray, finite_number, finite_vector
 from thrust_allocator.allocator import Allocator
 from thrust_allocator.feasible.directions import along_direction
+from thrust_allocator.methods import knows_speed
 from thrust_allocator.node_health import Tally, health_of
 from thrust_allocator.result import AllocationResult, Status
 from thrust_allocator.settings import AllocatorSettings, check_settings
@@ -136,7 +137,8 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         if not self._hears_ventilation and self.settings.antispin.enabled:
             self._hears_ventilation = True
             self.listen(Ventilation, VENTILATION, self._on_ventilation)
-        if not self._hears_odometry and settings.needs_speed:
+        # From the start where it may ever be asked for: a demand that waits for it may come after it.
+        if not self._hears_odometry and (settings.needs_speed or knows_speed(self.vessel)):
             self._hears_odometry = True
             self.listen(Odometry, ODOMETRY, self._on_odometry)
 

@@ -12,6 +12,7 @@ from marine_model import load_vessel
 from marine_model.errors import InputError
 from marine_model.frames import wrap_angles
 from marine_model.guards import FloatArray
+from support.marching_thruster import drive_data
 from thrust_allocator import AllocationResult, Allocator, AllocatorSettings, Status
 
 UKWIAL, AZIMUTH, MMT300, SHIP = map(load_vessel, ("ukwial", "ukwial_azimuth", "mmt300", "cybership3"))
@@ -340,3 +341,43 @@ def test_sine_of_the_cross() -> None:
     assert cross.order == (0, 1, 2, 3, 4)
     assert sin(cross.angle) == pytest.approx(sin(radians(22.5)))
     assert (cross.stern_arm, cross.bow_arm, cross.bow_sign) == pytest.approx((1.0, 0.8, 1.0))
+
+
+def with_drives():
+    """The AUV with the drives of its paper."""
+    thrusters = tuple(thruster.model_copy(update={"drive": drive_data()}) for thruster in MMT300.thrusters)
+    return MMT300.model_copy(update={"thrusters": thrusters})
+
+
+@pytest.mark.parametrize(
+    ("speed", "most"), [(None, 42.0), (-0.3, 42.0), (0.25, 40.25), (1.0, 34.5), (2.0, 24.8), (2.6, 24.8)]
+)
+def test_portions_of_the_thrust_at_the_speed(speed: float | None, most: float) -> None:
+    """T_max of Table 4, linear between its columns; outside of them that of the nearest."""
+    vessel = with_drives()
+    chosen = with_group(vessel, "portions", "portioned")
+    assert chosen.portions.speed_limited
+    assert chosen.needs_speed
+    allocator = Allocator(vessel, chosen)
+    if speed is not None:
+        allocator.measure_speed(speed)
+    result = sail(allocator, np.array([500.0, 0.0, 0.0, -50.0]), 4)[-1]
+    delta = radians(22.5)
+    expected = [2.0 * cos(delta) * most, 0.0, 0.0, -sin(delta) * most]
+    np.testing.assert_allclose(result.tau_achieved, expected, atol=ROUNDING)
+    # What was measured outlives a change of parameters.
+    allocator.apply(with_group(vessel, "portions", "portioned", surge=1.0, yaw=0.0, pitch=0.0))
+    result = sail(allocator, np.array([500.0, 0.0, 0.0, 0.0]), 4)[-1]
+    assert result.tau_achieved[0] == pytest.approx(4.0 * cos(delta) * most)
+    allocator.apply(with_group(vessel, "portions", "portioned", surge=1.0, yaw=0.0, pitch=0.0, speed_limited=False))
+    result = sail(allocator, np.array([500.0, 0.0, 0.0, 0.0]), 4)[-1]
+    assert result.tau_achieved[0] == pytest.approx(4.0 * cos(delta) * 42.0)
+
+
+def test_speed_without_maps() -> None:
+    thrusters = [thruster.model_copy(update={"drive": None}) for thruster in MMT300.thrusters]
+    vessel = MMT300.model_copy(update={"thrusters": tuple(thrusters)})
+    assert not settings(vessel).portions.speed_limited
+    assert refusal(vessel, with_group(vessel, "portions", "portioned", speed_limited=True)).startswith(
+        "portions.speed_limited: expected false, because not every marching thruster has a drive"
+    )
