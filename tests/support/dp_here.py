@@ -12,8 +12,8 @@ from rich.console import Console
 from dp_tools.cli import main
 from dp_tools.commands import (
     bag,
-    compare,
     bag_options,
+    compare,
     design,
     detection,
     disturb,

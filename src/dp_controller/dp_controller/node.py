@@ -56,7 +56,8 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._operator_stamps: dict[str, int] = {}
         self._acted: int | None = None
         self._began: int | None = None  # stamp of the first estimate
-        self._achieved: tuple[int | None, FloatArray] = (None, _NOTHING)
+        self._nothing: FloatArray = np.zeros(6) if self.vessel.is_submerged else _NOTHING
+        self._achieved: tuple[int | None, FloatArray] = (None, self._nothing)
         self._early_path: Any = None
         self._output: ControllerOutput | None = None
         self._tally = Tally()
@@ -189,8 +190,7 @@ class ControllerNode(RingNode[ControllerSettings]):
         if self._began is None:
             self._began = stamp
         if stamp - (self._began if answered is None else answered) > self.vessel.drivers.command_timeout * 1e9:
-            # No allocator for so long: the drivers have stopped the thrusters.
-            tau_achieved = np.zeros(6) if self.vessel.is_submerged else _NOTHING
+            tau_achieved = self._nothing  # no allocator for so long: the drivers have stopped the thrusters
         if below is not None and tau_achieved is not None:
             below = replace(below, achieved=tau_achieved[2:5])
         if tau_achieved is not None and len(tau_achieved) == 6:

@@ -219,7 +219,9 @@ class Allocator:
             self._avoidance.reset()
 
     def measure_speed(self, speed: float) -> None:
-        """Take the speed ahead through the water (m/s), for methods whose limits go with it; 0 until the first.
+        """Take the speed ahead through the water (m/s), for methods whose limits go with it.
+
+        It holds until the next; before the first it is 0.
 
         Raises
         ------

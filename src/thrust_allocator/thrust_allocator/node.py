@@ -194,7 +194,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._keep(
             self._speed,
             message,
-            lambda: np.array([finite_number("odometry: twist.linear.x", message.twist.twist.linear.x)]),
+            lambda: _speed_ahead(message),
             self.settings.needs_speed,
             lead=self._time_step,
         )
@@ -207,7 +207,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         return loss[self._order(VENTILATION, message)]
 
     def _keep(
-        self, inbox: Inbox[FloatArray], message: Any, read: Callable[[], FloatArray], needed: bool, lead: int = 0
+        self, inbox: Inbox[FloatArray], message: Any, read: Callable[[], FloatArray | None], needed: bool, lead: int = 0
     ) -> None:
         """Put what ``read`` returns into ``inbox``, and answer the demand that waited for it.
 
@@ -404,6 +404,16 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             status.released = avoidance.released
             status.gain_crossing = avoidance.crossing
         return status
+
+
+def _speed_ahead(message: Any) -> FloatArray | None:
+    """Return the surge speed of a nav_msgs/Odometry, shape (1,), m/s; None of an estimate that is not valid."""
+    if message.child_frame_id != BODY_FRAME:
+        raise InputError(f"odometry child_frame_id: expected frame '{BODY_FRAME}', found '{message.child_frame_id}'")
+    # An invalid observer says so with a negative variance; its numbers are not looked at.
+    if message.pose.covariance[0] < 0.0:
+        return None
+    return np.array([finite_number("odometry twist.linear.x", message.twist.twist.linear.x)])
 
 
 def main() -> None:

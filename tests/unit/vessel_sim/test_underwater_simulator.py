@@ -76,7 +76,7 @@ def test_the_vessel_says_which_simulator_it_needs() -> None:
     assert isinstance(make_simulator(load_vessel("cybership3")), Simulator)
     with pytest.raises(InputError, match="vessel: expected one with a section underwater, found 'cybership3' without"):
         UnderwaterSimulator(load_vessel("cybership3"))
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match="expected one on the surface, found 'ukwial', which is submerged"):
         Simulator(ROV)
 
 
@@ -320,7 +320,7 @@ def test_settings_that_make_no_sense_are_refused(changed: dict[str, Any], messag
     with pytest.raises(InputError, match=message):
         UnderwaterSimulator(ROV, settings)
     sim = UnderwaterSimulator(ROV)
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match=message):
         sim.apply(settings)
 
 

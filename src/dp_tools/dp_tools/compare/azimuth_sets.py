@@ -86,9 +86,10 @@ def apart(square: AzimuthSquare, moment: float) -> Polytope:
     """
     bearings = np.linspace(0.0, 2.0 * np.pi, _TANGENTS, endpoint=False)
     normals = np.column_stack([np.cos(bearings), np.sin(bearings)])
-    where = np.column_stack(
-        [square.sign_x * np.cos(square.bearing), square.sign_y * np.sin(square.bearing)]
-    ) * square.distance
+    where = (
+        np.column_stack([square.sign_x * np.cos(square.bearing), square.sign_y * np.sin(square.bearing)])
+        * square.distance
+    )
     turning = np.column_stack([-where[:, 1], where[:, 0]])
 
     def reach(level: FloatArray) -> FloatArray:

@@ -248,7 +248,9 @@ def _over_speed(study: SpeedStudy, name: str) -> Drawing:
     left.plot(study.speeds, study.thrust_max, color=_PSEUDO, label="T_max, Table 4")
     left.set_xlabel("speed through the water (m/s)")
     left.set_ylabel("achieved thrust (N)")
-    right.plot(study.top_demands[[0, -1]], study.top_demands[[0, -1]], color=style.MUTED, linestyle=(0, (6, 3)), linewidth=0.8)
+    right.plot(
+        study.top_demands[[0, -1]], study.top_demands[[0, -1]], color=style.MUTED, linestyle=(0, (6, 3)), linewidth=0.8
+    )
     right.axhline(study.thrust_max[-1], color=_PSEUDO)
     right.set_xlabel(f"demanded thrust at {study.speeds[-1]:g} m/s (N)")
     right.set_ylabel("achieved thrust (N)")

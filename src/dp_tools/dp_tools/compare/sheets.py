@@ -128,7 +128,11 @@ def _sets(study: GroupStudy) -> Sheet:
     )
     return Sheet(
         f"{group.name}: sets of demands",
-        (*(f"largest {axis} ({u})" for axis, u in zip(group.axes, group.units, strict=True)), f"volume ({unit})", "of exact"),
+        (
+            *(f"largest {axis} ({u})" for axis, u in zip(group.axes, group.units, strict=True)),
+            f"volume ({unit})",
+            "of exact",
+        ),
         tuple(
             (name, (*(number(x, 4) for x in most), f"{volume:.4g}", f"{volume / volumes.exact:.4f}"))
             for (name, volume), most in zip(rows, _extents(study), strict=True)

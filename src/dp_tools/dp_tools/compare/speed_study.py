@@ -171,7 +171,9 @@ def study_speed(thruster: str, count: int, of: DriveInWater) -> SpeedStudy:
         demands,
         speeds,
         {
-            way: np.array([[of.achieved(demand, speed, *way) for demand in demands.tolist()] for speed in speeds.tolist()])
+            way: np.array(
+                [[of.achieved(demand, speed, *way) for demand in demands.tolist()] for speed in speeds.tolist()]
+            )
             for way in ways
         },
         np.array([limits.thrust_max(speed) for speed in speeds.tolist()]),

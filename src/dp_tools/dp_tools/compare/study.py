@@ -84,8 +84,12 @@ def compare_vessel(
     )
     square, cross = azimuth_square(vessel), cross_of(vessel)
     # The axes of a cross hang together, or it would be none.
-    portions = None if cross is None else study_portions(
-        *cross, studies[0].group, studies[0].exact, demands, np.random.default_rng([seed, _PORTIONS])
+    portions = (
+        None
+        if cross is None
+        else study_portions(
+            *cross, studies[0].group, studies[0].exact, demands, np.random.default_rng([seed, _PORTIONS])
+        )
     )
     azimuth = None if square is None else study_azimuth(square, demands, np.random.default_rng([seed, _AZIMUTH]))
     speeds = tuple(study_speed(*one) for one in drives_of(vessel))
