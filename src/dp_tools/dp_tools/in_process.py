@@ -305,7 +305,7 @@ class ClosedLoop:
                 )
             # Of the feedback before, as on the graph: the drivers answer that of this tick later.
             self._allocator.measure_ventilation(self._log.rows["beta_q2"][k - 1], self._step_ns * 1e-9)
-        if settings.needs_speed:
+        if settings.needs_speed and estimate.valid:
             self._allocator.measure_speed(float(estimate.velocity[0]))
         answer = self._allocator.step(tau, elapsed)
         if self._vessel.is_submerged:

@@ -19,7 +19,6 @@ from thrust_allocator.antispin import POWER_TRUE, QUADRATIC, AntiSpin
 from thrust_allocator.cost import propeller_weights, reweight, thrust_floor
 from thrust_allocator.engine import Answer, Engine
 from thrust_allocator.methods import Method, MethodReport, Wanted, make_method
-from thrust_allocator.methods.cross import SpeedLimit
 from thrust_allocator.mode_supervisor import AzimuthMode, ModeState, next_mode
 from thrust_allocator.monitoring import Monitoring
 from thrust_allocator.plan.limits import Feathering, limit_table
@@ -91,7 +90,6 @@ class Allocator:
         self._feathering = Feathering(self._n)
         self._avoidance: Avoidance | None = None
         self._speed = 0.0
-        self._limit_at: SpeedLimit | None = None
         self.apply(settings if settings is not None else AllocatorSettings.for_vessel(vessel))
         self.reset(thrust, azimuth)
 
@@ -178,7 +176,7 @@ class Allocator:
         if settings.thrust_weight == "propeller":
             weight = propeller_weights(self._engine.power_factor)
         self._weight = weight
-        self._method = make_method(self._vessel, settings, self._limit_at)
+        self._method = make_method(self._vessel, settings)
         if self._method is not None:
             self._method.measure_speed(self._speed)
         self._monitoring = Monitoring(self._vessel, settings, self._limits)
@@ -221,7 +219,9 @@ class Allocator:
             self._avoidance.reset()
 
     def measure_speed(self, speed: float) -> None:
-        """Take the speed ahead through the water (m/s), for methods whose limits go with it; 0 until the first.
+        """Take the speed ahead through the water (m/s), for methods whose limits go with it.
+
+        It holds until the next; before the first it is 0.
 
         Raises
         ------

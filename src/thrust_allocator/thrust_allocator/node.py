@@ -21,6 +21,7 @@ from marine_model.frames import BODY_FRAME
 from marine_model.guards import FloatArray, finite_number, finite_vector
 from thrust_allocator.allocator import Allocator
 from thrust_allocator.feasible.directions import along_direction
+from thrust_allocator.methods import knows_speed
 from thrust_allocator.node_health import Tally, health_of
 from thrust_allocator.result import AllocationResult, Status
 from thrust_allocator.settings import AllocatorSettings, check_settings
@@ -136,7 +137,8 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         if not self._hears_ventilation and self.settings.antispin.enabled:
             self._hears_ventilation = True
             self.listen(Ventilation, VENTILATION, self._on_ventilation)
-        if not self._hears_odometry and settings.needs_speed:
+        # From the start where it may ever be asked for: a demand that waits for it may come after it.
+        if not self._hears_odometry and (settings.needs_speed or knows_speed(self.vessel)):
             self._hears_odometry = True
             self.listen(Odometry, ODOMETRY, self._on_odometry)
 
@@ -192,7 +194,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._keep(
             self._speed,
             message,
-            lambda: np.array([finite_number("odometry: twist.linear.x", message.twist.twist.linear.x)]),
+            lambda: _speed_ahead(message),
             self.settings.needs_speed,
             lead=self._time_step,
         )
@@ -205,7 +207,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         return loss[self._order(VENTILATION, message)]
 
     def _keep(
-        self, inbox: Inbox[FloatArray], message: Any, read: Callable[[], FloatArray], needed: bool, lead: int = 0
+        self, inbox: Inbox[FloatArray], message: Any, read: Callable[[], FloatArray | None], needed: bool, lead: int = 0
     ) -> None:
         """Put what ``read`` returns into ``inbox``, and answer the demand that waited for it.
 
@@ -402,6 +404,16 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             status.released = avoidance.released
             status.gain_crossing = avoidance.crossing
         return status
+
+
+def _speed_ahead(message: Any) -> FloatArray | None:
+    """Return the surge speed of a nav_msgs/Odometry, shape (1,), m/s; None of an estimate that is not valid."""
+    if message.child_frame_id != BODY_FRAME:
+        raise InputError(f"odometry child_frame_id: expected frame '{BODY_FRAME}', found '{message.child_frame_id}'")
+    # An invalid observer says so with a negative variance; its numbers are not looked at.
+    if message.pose.covariance[0] < 0.0:
+        return None
+    return np.array([finite_number("odometry twist.linear.x", message.twist.twist.linear.x)])
 
 
 def main() -> None:

@@ -14,7 +14,7 @@ from marine_model.axes import HORIZONTAL
 from marine_model.errors import InputError
 from marine_model.schema import Fraction
 from marine_model.settings import Settings, setting
-from thrust_allocator.methods.make import check_method, default_moment
+from thrust_allocator.methods.make import check_method, default_moment, knows_speed
 from thrust_allocator.methods.settings import AzimuthAngleSettings, PortionSettings, PrioritySettings
 from thrust_allocator.program.active_set_solver import NAME
 from thrust_allocator.program.solvers import check_solver
@@ -215,6 +215,7 @@ class AllocatorSettings(Settings):
         values["antispin"] = AntiSpinSettings(**antispin)
         values["priority"] = PrioritySettings(weights=(1.0,) * len(vessel.degrees_of_freedom))
         values["garus_azimuth"] = AzimuthAngleSettings(reserved_moment=default_moment(vessel))
+        values["portions"] = PortionSettings(speed_limited=knows_speed(vessel))
         return cls(**(values | overrides))
 
 

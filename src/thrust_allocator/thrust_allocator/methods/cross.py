@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import asin
 
@@ -14,11 +13,10 @@ from marine_model.guards import FloatArray, finite_number
 from thrust_allocator.feasible.directions import along_direction
 from thrust_allocator.feasible.portioned import Cross, Portions, portion
 from thrust_allocator.methods.method import Method, Wanted, both_ways, thrust_range
+from thrust_allocator.methods.speed_limit import speed_limit_of
 from thrust_allocator.plan.phase import Plan
 
 AXES = ("surge", "heave", "pitch", "yaw")
-# Largest thrust (N) of a marching thruster at a speed (m/s).
-SpeedLimit = Callable[[float], float]
 # Directions and positions are written down to 12 digits.
 _NEAR = 1e-6
 
@@ -53,19 +51,25 @@ class PortionedMethod(Method):
         Geometry and limits.
     portions
         Shares of the channels.
-    limit_at
-        T_max at a speed; that at rest, of the vessel file, if None.
+    speed_limited
+        Take T_max at the present speed, and not that of the vessel file, at rest.
 
     Raises
     ------
     InputError
-        If the vessel has no such cross, or controls other axes.
+        If the vessel has no such cross, or controls other axes, or its drives know nothing of speed.
     """
 
-    def __init__(self, vessel: Vessel, portions: Portions, limit_at: SpeedLimit | None = None) -> None:
+    def __init__(self, vessel: Vessel, portions: Portions, speed_limited: bool = False) -> None:
         self._cross = cross_of(vessel)
         self._order = np.array(self._cross.order)
-        self._portions, self._limit_at = portions, limit_at
+        self._portions = portions
+        self._limit_at = speed_limit_of(vessel, self._cross.order[:4]) if speed_limited else None
+        if speed_limited and self._limit_at is None:
+            raise InputError(
+                "portions.speed_limited: expected false, because not every marching thruster has a drive with maps "
+                "over speed, found true"
+            )
         self._columns = vessel.columns
         self._speed = 0.0
 

@@ -11,15 +11,16 @@ from marine_model.errors import InputError
 from thrust_allocator.feasible.garus_azimuth import largest_moment
 from thrust_allocator.feasible.portioned import Portions
 from thrust_allocator.methods.azimuth import GarusAzimuthMethod, azimuth_square
-from thrust_allocator.methods.cross import PortionedMethod, SpeedLimit
+from thrust_allocator.methods.cross import PortionedMethod, cross_of
 from thrust_allocator.methods.method import Method
 from thrust_allocator.methods.pseudo import PseudoInverseMethod
+from thrust_allocator.methods.speed_limit import speed_limit_of
 
 if TYPE_CHECKING:
     from thrust_allocator.settings import AllocatorSettings
 
 
-def make_method(vessel: Vessel, settings: AllocatorSettings, limit_at: SpeedLimit | None = None) -> Method | None:
+def make_method(vessel: Vessel, settings: AllocatorSettings) -> Method | None:
     """Return the method of ``settings``; None for the quadratic program.
 
     Raises
@@ -35,7 +36,7 @@ def make_method(vessel: Vessel, settings: AllocatorSettings, limit_at: SpeedLimi
     if settings.method == "portioned":
         shares = settings.portions
         portions = Portions(shares.surge, shares.yaw, shares.pitch)
-        return PortionedMethod(vessel, portions, limit_at if shares.speed_limited else None)
+        return PortionedMethod(vessel, portions, shares.speed_limited)
     weights = np.array(settings.priority.weights or (1.0,) * len(axes))
     axis = axes.index(settings.priority.axis) if settings.feasible == "priority" else 0
     return PseudoInverseMethod(vessel, settings.feasible, axis, weights)
@@ -50,6 +51,15 @@ def default_moment(vessel: Vessel) -> float:
         return 0.25 * largest_moment(azimuth_square(vessel), 0.0)
     except InputError:
         return 0.0
+
+
+def knows_speed(vessel: Vessel) -> bool:
+    """Return whether portions can be those of the thrust at the present speed."""
+    try:
+        cross = cross_of(vessel)
+    except InputError:
+        return False
+    return speed_limit_of(vessel, cross.order[:4]) is not None
 
 
 def check_method(settings: AllocatorSettings, vessel: Vessel) -> None:
