@@ -4,8 +4,8 @@ With p = X / cos a, q = Y / sin a and r = N / (d sin(a + phi)) the thrusts at th
 
     f = (sx p - sy q - sx sy r + w) / 4
 
-where w is free: all four pushing outwards gives nothing, which the pseudo-inverse sets to 0. The best w brings the
-largest of them to a quarter of the sum of the two largest of |p|, |q|, |r|, so that all that can be given at the angle is
+where w is free: it gives no force, and the pseudo-inverse sets it to 0. The best w brings the largest of them to a
+quarter of the sum of the two largest of |p|, |q|, |r|, so that all that can be given at the angle is
 
     |p| + |q| <= 4 f_max,    |p| + |r| <= 4 f_max,    |q| + |r| <= 4 f_max
 
@@ -31,9 +31,10 @@ _BISECTIONS = 70
 def load_together(
     square: AzimuthSquare, moment: float, surge: FloatArray, sway: FloatArray, angle: FloatArray | float
 ) -> FloatArray:
-    """Return how many times surge and sway (N, shape (...)) are what can be given at the common ``angle`` (rad, one or one each).
+    """Return how many times surge and sway (N, shape (...)) are what can be given at the common ``angle``.
 
-    At most 1 if they can be given beside ``moment`` (N m), by any thrusts within limits.
+    At most 1 if they can be given beside ``moment`` (N m), by any thrusts within limits. ``angle`` is one for all
+    demands or one each, rad.
     """
     total = 4.0 * square.thrust_max
     rest = total - moment / (square.distance * np.sin(np.asarray(angle) + square.bearing))
@@ -86,9 +87,10 @@ def apart(square: AzimuthSquare, moment: float) -> Polytope:
     """
     bearings = np.linspace(0.0, 2.0 * np.pi, _TANGENTS, endpoint=False)
     normals = np.column_stack([np.cos(bearings), np.sin(bearings)])
-    where = np.column_stack(
-        [square.sign_x * np.cos(square.bearing), square.sign_y * np.sin(square.bearing)]
-    ) * square.distance
+    where = (
+        np.column_stack([square.sign_x * np.cos(square.bearing), square.sign_y * np.sin(square.bearing)])
+        * square.distance
+    )
     turning = np.column_stack([-where[:, 1], where[:, 0]])
 
     def reach(level: FloatArray) -> FloatArray:

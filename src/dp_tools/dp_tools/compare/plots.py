@@ -15,12 +15,13 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from dp_tools.compare.azimuth_study import AzimuthStudy
 from dp_tools.compare.group_study import GroupStudy
 from dp_tools.compare.polytope import Polytope
-from dp_tools.compare.portion_study import AXES, PLANES, SHARES, PortionStudy
+from dp_tools.compare.portion_study import PLANES, SHARES, PortionStudy
 from dp_tools.compare.speed_study import SpeedStudy
 from dp_tools.compare.study import Comparison
 from dp_tools.report import style
 from dp_tools.report.panels import WIDTH
 from marine_model.guards import FloatArray
+from thrust_allocator.methods.cross import AXES
 
 _EXACT, _METHOD, _PSEUDO = style.COMMANDED, style.DESIRED, style.LIMIT
 _SOLIDS = 4  # in one picture
@@ -97,8 +98,8 @@ def _solids(study: GroupStudy, name: str) -> Drawing:
     return Drawing(
         name,
         f"{group.name}: what is attainable and the octahedron",
-        "All that the thrusters give along their fixed directions, blue, and what (3.1) lets pass with the largest forces as "
-        "printed, red.",
+        "All that the thrusters give along their fixed directions, blue, and what (3.1) lets pass with the largest "
+        "forces as printed, red.",
         "Octahedron within the attainable set",
         figure,
         narrow=columns == 1,
@@ -191,8 +192,8 @@ def _asteroid(study: AzimuthStudy) -> Drawing:
     return Drawing(
         "asteroid",
         "Four azimuth propellers: asteroid and what is attainable",
-        f"Surge and sway that can be had together with {study.moment:g} N m of yaw. The arrow is the reduction (18). Dashed: "
-        f"what the pseudo-inverse gives if the propellers stay at {study.present:g}°.",
+        f"Surge and sway that can be had together with {study.moment:g} N m of yaw. The arrow is the reduction (18). "
+        f"Dashed: what the pseudo-inverse gives if the propellers stay at {study.present:g}°.",
         "Asteroid within the attainable surge and sway",
         figure,
         narrow=True,
@@ -218,7 +219,13 @@ def _portions(study: PortionStudy) -> Drawing:
                 label=f"equal portions, P_x = {share:g}" if middle else None,
             )
             axis.annotate(
-                f"{share:g}", (x, y), textcoords="offset points", xytext=(2, 2), fontsize=7.5, color=style.MUTED
+                f"{share:g}",
+                (x, y),
+                textcoords="offset points",
+                xytext=(-2, -8),
+                ha="right",
+                fontsize=7.5,
+                color=style.MUTED,
             )
         axis.margins(0.07)
         axis.set_xlabel(f"{plane[0]} (N)")
@@ -248,7 +255,9 @@ def _over_speed(study: SpeedStudy, name: str) -> Drawing:
     left.plot(study.speeds, study.thrust_max, color=_PSEUDO, label="T_max, Table 4")
     left.set_xlabel("speed through the water (m/s)")
     left.set_ylabel("achieved thrust (N)")
-    right.plot(study.top_demands[[0, -1]], study.top_demands[[0, -1]], color=style.MUTED, linestyle=(0, (6, 3)), linewidth=0.8)
+    right.plot(
+        study.top_demands[[0, -1]], study.top_demands[[0, -1]], color=style.MUTED, linestyle=(0, (6, 3)), linewidth=0.8
+    )
     right.axhline(study.thrust_max[-1], color=_PSEUDO)
     right.set_xlabel(f"demanded thrust at {study.speeds[-1]:g} m/s (N)")
     right.set_ylabel("achieved thrust (N)")
@@ -260,8 +269,8 @@ def _over_speed(study: SpeedStudy, name: str) -> Drawing:
     return Drawing(
         name,
         f"Drive of {study.thruster.replace('_', ' ')}: achieved against demanded thrust",
-        "Left: over the speed, demands of a quarter, a half and all of T_max at the largest speed. Right: over the demand, at "
-        "the largest speed. Codes are whole numbers.",
+        "Left: over the speed, demands of a quarter, a half and all of T_max at the largest speed. Right: over the "
+        "demand, at the largest speed. Codes are whole numbers.",
         "Achieved thrust over speed and over demand, with and without compensation",
         figure,
     )
