@@ -121,8 +121,8 @@ class Drivers:
     Raises
     ------
     InputError
-        If the settings ask a thruster of fixed pitch for a law that needs a controllable one, or one without a drive for
-        codes.
+        If the settings ask a thruster of fixed pitch for a law that needs a controllable one, or one without a drive
+        for codes.
     """
 
     def __init__(self, vessel: Vessel, settings: DriverSettings | None = None) -> None:

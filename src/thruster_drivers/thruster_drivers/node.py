@@ -33,7 +33,6 @@ from thruster_drivers.drivers import SENSOR_LOST, DriverInputs, DriverOutput, Dr
 from thruster_drivers.node_health import Tally, health_of, status_alarm
 from thruster_drivers.settings import DriverSettings, check_settings
 
-
 _ODOMETRY = "odometry"
 
 

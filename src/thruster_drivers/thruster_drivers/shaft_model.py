@@ -103,9 +103,7 @@ def shaft_models(vessel: Propulsion) -> tuple[ShaftModel, ...]:
             pitch_ratio=float(vessel.pitch_ratio[j]),
             propeller=vessel.propeller_models[j],
             pitch=thruster.pitch,
-            drive=None
-            if thruster.drive is None
-            else thruster.drive.build(vessel.propeller_models[j], vessel.density),
+            drive=None if thruster.drive is None else thruster.drive.build(vessel.propeller_models[j], vessel.density),
         )
         for j, thruster in enumerate(vessel.thrusters)
     )

@@ -29,8 +29,8 @@ def test_equations_1_and_2_by_hand() -> None:
     """At 25 Hz and 1 m/s: J = 1 / 3.5, K_T = 0.139 - 0.044286 - 0.0049796, K_M = 0.0171 - 0.0046857 - 0.00044898."""
     J = 1.0 / (25.0 * 0.14)
     K_T, K_M = (float(k) for k in TABLE_1.coefficients(J))
-    assert K_T == pytest.approx(0.0897347, abs=1e-7)
-    assert K_M == pytest.approx(0.01196531, abs=1e-8)
+    assert pytest.approx(0.0897347, abs=1e-7) == K_T
+    assert pytest.approx(0.01196531, abs=1e-8) == K_M
     thrust, torque = (float(x) for x in TABLE_1.forces(25.0, 1.0, RHO))
     assert thrust == pytest.approx(0.0897347 * 102.0 * 625.0 * 0.14**4 * 9.81, rel=1e-6)
     assert torque == pytest.approx(0.01196531 * 102.0 * 625.0 * 0.14**5 * 9.81, rel=1e-6)
@@ -39,7 +39,8 @@ def test_equations_1_and_2_by_hand() -> None:
 def test_the_range_ends_where_thrust_does() -> None:
     """By hand: 0.061 J^2 + 0.155 J - 0.139 = 0 at J = 0.7025; the torque would be zero at 0.818."""
     low, high = TABLE_1.advance_number_range
-    assert (low, high) == (0.0, pytest.approx((math.sqrt(0.155**2 + 4 * 0.061 * 0.139) - 0.155) / 0.122, rel=1e-14))
+    assert low == 0.0
+    assert high == pytest.approx((math.sqrt(0.155**2 + 4 * 0.061 * 0.139) - 0.155) / 0.122, rel=1e-14)
     assert high == pytest.approx(0.7025, abs=5e-5)
     with pytest.raises(InputError, match=r"advance_number: expected a number from 0 to 0\.7025"):
         TABLE_1.coefficients(0.75)

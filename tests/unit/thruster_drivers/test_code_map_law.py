@@ -164,7 +164,9 @@ def test_without_a_speed_codes_are_those_at_rest_and_it_is_said(speed: float | N
     assert rig.step(thrust, 0.0, STILL).status == NOMINAL
 
 
-@pytest.mark.parametrize(("speed", "held", "beyond"), [(-0.1, 0.0, -0.1), (2.1, 2.0, 0.1), (2.0, 2.0, 0.0), (0.0, 0.0, 0.0)])
+@pytest.mark.parametrize(
+    ("speed", "held", "beyond"), [(-0.1, 0.0, -0.1), (2.1, 2.0, 0.1), (2.0, 2.0, 0.0), (0.0, 0.0, 0.0)]
+)
 def test_a_speed_outside_the_tables_is_clamped_and_said(speed: float, held: float, beyond: float) -> None:
     rig = Rig(STRAIGHT, COMPENSATED)
     thrust = np.full(N, 20.0)
@@ -217,7 +219,7 @@ def test_a_change_of_law_or_of_compensation_goes_on_from_the_torque(other: str) 
         rig.drivers.apply(settings)
         after = rig.step(thrust, 1.0, flow).torque
         # A law of shaft speed moves its integral by one sample; the others begin where the last ended.
-        moved = 0.0
+        moved: FloatArray = np.zeros(N)
         if settings.controller == "shaft_speed":
             gains, inertia = STRAIGHT.drivers.shaft_speed, STRAIGHT.thrusters[0].shaft.inertia
             assert rig.output is not None

@@ -1,4 +1,4 @@
-"""Thrusters that are asked for by integer code: thrust of a code, code of a thrust, torque of a code, [Kostenko] (3)-(8)."""
+"""Thrusters that are asked for by integer code, [Kostenko] (3)-(8): thrust and torque of a code, code of a thrust."""
 
 from marine_model.code_maps.code_from_thrust import CodeFromThrust
 from marine_model.code_maps.codes import nearest_code, require_code

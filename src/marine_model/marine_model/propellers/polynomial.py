@@ -18,8 +18,8 @@ _TERMS = 3
 class PolynomialPropeller(FirstQuadrantModel):
     """K_T = K_T0 + K_T1 J + K_T2 J^2 and K_Q = K_M0 + K_M1 J + K_M2 J^2, [Kostenko] (2), at one pitch.
 
-    Its range reaches from J = 0 to where the first of the two is zero. Outside it goes on along tangents, and with n < 0
-    by odd symmetry, as every first-quadrant model does.
+    Its range reaches from J = 0 to where the first of the two is zero. Outside it goes on along tangents, and with
+    n < 0 by odd symmetry, as every first-quadrant model does.
 
     Parameters
     ----------
@@ -58,7 +58,8 @@ class PolynomialPropeller(FirstQuadrantModel):
             steepest = max(k1, k1 + 2.0 * k2 * self._end)
             if steepest > 0.0:
                 raise InputError(
-                    f"{name}: expected one that falls from J = 0 to J = {self._end:.4g}, found a slope of {steepest:.4g}"
+                    f"{name}: expected one that falls from J = 0 to J = {self._end:.4g}, "
+                    f"found a slope of {steepest:.4g}"
                 )
 
     def advance_number_end(self, pitch_ratio: ArrayLike) -> FloatArray:
