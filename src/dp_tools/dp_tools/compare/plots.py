@@ -25,6 +25,7 @@ from thrust_allocator.methods.cross import AXES
 
 _EXACT, _METHOD, _PSEUDO = style.COMMANDED, style.DESIRED, style.LIMIT
 _SOLIDS = 4  # in one picture
+_DRAWN = 6  # one of so many points of an outline that areas need more of
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,8 +163,8 @@ def _asteroid(study: AzimuthStudy) -> Drawing:
     )
     # Sway to the right and surge upwards, as the vehicle is seen from above.
     for outline, color, line, label in (
-        (study.apart_set.vertices, style.MEASURED, "-", "every propeller at its own angle"),
-        (study.together_outline, _EXACT, "-", "at one common angle, any thrusts"),
+        (study.apart_set.vertices[::_DRAWN], style.MEASURED, "-", "every propeller at its own angle"),
+        (study.together_outline[::_DRAWN], _EXACT, "-", "at one common angle, any thrusts"),
         (asteroid, _METHOD, "-", "asteroid, (16)"),
         (kept, _PSEUDO, (0, (4, 2)), f"kept at {study.present:g}°, pseudo-inverse"),
     ):
