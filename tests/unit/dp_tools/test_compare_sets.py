@@ -68,7 +68,7 @@ def test_sections_and_faces_of_a_cube() -> None:
 
 
 def test_the_sets_differ_beside_a_third_force_only() -> None:
-    """Rhombic dodecahedron and octahedron: the same diamond without yaw; at half of it a square, and half the square."""
+    """Rhombic dodecahedron and octahedron: the same diamond without yaw; at half of it a square, and half of that."""
     group = first("ukwial")[1]
     exact, octahedral = group.attainable(), group.printed_octahedron()
     for yaw, ratio in ((0.0, 1.0), (0.5 * group.printed[2], 2.0)):
