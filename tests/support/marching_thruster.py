@@ -41,7 +41,7 @@ TESTED_CODES = (20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 127)
 @cache
 def drive_data() -> DriveData:
     """The section as it comes with the package."""
-    return DriveData.model_validate(read_yaml(DRIVE_FOLDER / "mmt300.yaml").content)
+    return DriveData.model_validate(read_yaml(DRIVE_FOLDER / "at_drive_50x14.yaml").content)
 
 
 @cache

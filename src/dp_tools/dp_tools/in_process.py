@@ -23,7 +23,7 @@ import numpy as np
 from dp_controller import Controller, ControllerInputs, ControllerSettings
 from dp_controller.vertical import VerticalInputs, VerticalOutput
 from dp_observer import Observer, ObserverEstimate, ObserverInputs, ObserverSettings
-from dp_observer.vertical import VerticalEstimate
+from dp_observer.estimate import VerticalEstimate
 from dp_tools.node_settings import ALLOCATOR, CONTROLLER, DRIVERS, OBSERVER, SIMULATOR
 from dp_tools.planes import PLANE, as_sent, joined, split
 from dp_tools.run_data import PROPULSION_TRUTH, RunData, RunInfo

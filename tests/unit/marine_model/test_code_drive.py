@@ -133,17 +133,17 @@ def test_a_drive_needs_numbers_that_make_sense() -> None:
 
 def test_a_vessel_file_names_the_file_of_its_drives(tmp_path) -> None:
     file = tmp_path / "mine.yaml"
-    text = "extends: mmt300\nthrusters:\n  - name: upper\n    drive: {file: mmt300.yaml}\n"
+    text = "extends: mmt300\nthrusters:\n  - name: upper\n    drive: {file: at_drive_50x14.yaml}\n"
     file.write_text(text, encoding="utf-8")
     vessel = load_vessel(file)
     assert vessel.thrusters[0].drive == drive_data()
     (tmp_path / "own.yaml").write_text("code_max: 127\nspeed: [0.0]\n", encoding="utf-8")
-    file.write_text(text.replace("mmt300.yaml", "own.yaml"), encoding="utf-8")
+    file.write_text(text.replace("at_drive_50x14.yaml", "own.yaml"), encoding="utf-8")
     with pytest.raises(DocumentError, match=r"own\.yaml:\d+: thrusters\.0\.drive\."):
         load_vessel(file)
-    file.write_text(text.replace("{file: mmt300.yaml}", "{file: nowhere.yaml}"), encoding="utf-8")
+    file.write_text(text.replace("{file: at_drive_50x14.yaml}", "{file: nowhere.yaml}"), encoding="utf-8")
     with pytest.raises(DocumentError, match=r"mine\.yaml:4: thrusters\.0\.drive\.file: expected a file beside"):
         load_vessel(file)
-    file.write_text(text.replace("{file: mmt300.yaml}", "{file: 3}"), encoding="utf-8")
+    file.write_text(text.replace("{file: at_drive_50x14.yaml}", "{file: 3}"), encoding="utf-8")
     with pytest.raises(DocumentError, match="expected a file name, found 3"):
         load_vessel(file)

@@ -46,8 +46,8 @@ def test_the_file_has_every_entry_of_the_tables() -> None:
         assert getattr(data.thrust_from_code, name) == row
     for name, row in TABLE_4.items():
         assert getattr(data.code_from_thrust, name) == row
-    for name, row in TABLE_3.items():
-        assert getattr(data.rest_code_from_thrust, name) == row
+    for name, terms in TABLE_3.items():
+        assert getattr(data.rest_code_from_thrust, name) == terms
     assert data.code_from_thrust.dead_zone == data.rest_code_from_thrust.dead_zone == 0.5
     assert data.rest_code_from_thrust.thrust_max == 43.0
 
@@ -57,8 +57,8 @@ def test_thrust_is_equation_4_at_the_tabulated_speeds(i: int) -> None:
     """Three codes give back the three coefficients of the column, every code the polynomial, and both signs."""
     for code in range(-127, 128):
         printed = printed_2(code, i) if code else 0.0
-        expected = printed if printed * code > 0.0 else 0.0
-        assert THRUST.thrust(code, SPEEDS[i]) == pytest.approx(expected, rel=1e-13, abs=1e-13)
+        thrust = printed if printed * code > 0.0 else 0.0
+        assert THRUST.thrust(code, SPEEDS[i]) == pytest.approx(thrust, rel=1e-13, abs=1e-13)
     codes = np.array([80.0, 100.0, 127.0])
     found = np.polyfit(codes, [THRUST.thrust(int(code), SPEEDS[i]) for code in codes], 2)
     expected = [TABLE_2[name][i] for name in ("quadratic", "linear", "constant")]
@@ -331,4 +331,5 @@ def test_speeds_are_few_numbers() -> None:
     assert speeds.place(1.0) == (2, 0.0)
     assert speeds.place(2.0) == (4, 0.0)
     i, weight = speeds.place(1.7)
-    assert (i, weight) == (3, pytest.approx(0.4, rel=1e-14))
+    assert i == 3
+    assert weight == pytest.approx(0.4, rel=1e-14)

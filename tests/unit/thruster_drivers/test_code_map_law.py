@@ -219,7 +219,7 @@ def test_a_change_of_law_or_of_compensation_goes_on_from_the_torque(other: str) 
         rig.drivers.apply(settings)
         after = rig.step(thrust, 1.0, flow).torque
         # A law of shaft speed moves its integral by one sample; the others begin where the last ended.
-        moved = 0.0
+        moved: FloatArray = np.zeros(N)
         if settings.controller == "shaft_speed":
             gains, inertia = STRAIGHT.drivers.shaft_speed, STRAIGHT.thrusters[0].shaft.inertia
             assert rig.output is not None

@@ -4,8 +4,8 @@ With p = X / cos a, q = Y / sin a and r = N / (d sin(a + phi)) the thrusts at th
 
     f = (sx p - sy q - sx sy r + w) / 4
 
-where w is free: all four pushing outwards gives nothing, which the pseudo-inverse sets to 0. The best w brings the
-largest of them to a quarter of the sum of the two largest of |p|, |q|, |r|, so that all that can be given at the angle is
+where w is free: it gives no force, and the pseudo-inverse sets it to 0. The best w brings the largest of them to a
+quarter of the sum of the two largest of |p|, |q|, |r|, so that all that can be given at the angle is
 
     |p| + |q| <= 4 f_max,    |p| + |r| <= 4 f_max,    |q| + |r| <= 4 f_max
 
@@ -31,9 +31,10 @@ _BISECTIONS = 70
 def load_together(
     square: AzimuthSquare, moment: float, surge: FloatArray, sway: FloatArray, angle: FloatArray | float
 ) -> FloatArray:
-    """Return how many times surge and sway (N, shape (...)) are what can be given at the common ``angle`` (rad, one or one each).
+    """Return how many times surge and sway (N, shape (...)) are what can be given at the common ``angle``.
 
-    At most 1 if they can be given beside ``moment`` (N m), by any thrusts within limits.
+    At most 1 if they can be given beside ``moment`` (N m), by any thrusts within limits. ``angle`` is one for all
+    demands or one each, rad.
     """
     total = 4.0 * square.thrust_max
     rest = total - moment / (square.distance * np.sin(np.asarray(angle) + square.bearing))

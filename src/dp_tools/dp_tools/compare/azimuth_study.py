@@ -8,7 +8,13 @@ from math import degrees, radians, sin
 import numpy as np
 
 from dp_tools.compare.azimuth_sets import apart, area_of, best_together, load_together, outline_together
-from dp_tools.compare.papers import AZIMUTH_ANGLE_DEGREES, AZIMUTH_COUNTEREXAMPLE, AZIMUTH_EXAMPLE, is_azimuth_example
+from dp_tools.compare.papers import (
+    AZIMUTH_ANGLE_DEGREES,
+    AZIMUTH_COUNTEREXAMPLE,
+    AZIMUTH_EXAMPLE,
+    AZIMUTH_LIMIT,
+    is_azimuth_example,
+)
 from dp_tools.compare.polytope import Polytope, inside
 from marine_model import Vessel
 from marine_model.errors import InputError
@@ -22,6 +28,7 @@ from thrust_allocator.feasible.garus_azimuth import (
     load_at,
     reserved_thrust,
 )
+from thrust_allocator.methods.azimuth import azimuth_square
 
 # The paper reserves 50 N m of the 200 N m that its propellers give at any angle.
 _RESERVED_PART = 0.25
@@ -129,14 +136,12 @@ class AzimuthStudy:
     cases: tuple[AngleCase, ...]
 
 
-def azimuth_square(vessel: Vessel) -> AzimuthSquare | None:
-    """Return the four azimuth propellers that (7) asks for; None if the vessel has no such."""
-    own = [j for j, can in enumerate(vessel.can_rotate) if can]
-    strength = np.minimum(vessel.thrust_max, -vessel.thrust_min)[own]
-    if not own or not {"surge", "sway", "yaw"} <= set(vessel.degrees_of_freedom) or (strength <= 0.0).any():
+def square_of(vessel: Vessel) -> AzimuthSquare | None:
+    """Return the four azimuth propellers that (7) asks for; None if the vessel has no such, or controls other axes."""
+    if not {"surge", "sway", "yaw"} <= set(vessel.degrees_of_freedom):
         return None
     try:
-        return AzimuthSquare.of(tuple(own), vessel.lever_x[own], vessel.lever_y[own], strength)
+        return azimuth_square(vessel)
     except InputError:
         return None
 
@@ -150,9 +155,10 @@ def study_azimuth(square: AzimuthSquare, demands: int, generator: np.random.Gene
     outline = outline_together(square, moment, np.linspace(0.0, 2.0 * np.pi, _BEARINGS, endpoint=False))
     each = apart(square, moment)
     shares = _shares(square, moment, limit, each, demands, generator)
-    scale = limit / 750.0
+    scale = limit / AZIMUTH_LIMIT
     surge, sway, _ = AZIMUTH_EXAMPLE.demand
-    points = [("example", scale * surge, scale * sway), ("step 2", *(scale * x for x in AZIMUTH_COUNTEREXAMPLE))]
+    kept_surge, kept_sway = AZIMUTH_COUNTEREXAMPLE
+    points = (("example", scale * surge, scale * sway), ("step 2", scale * kept_surge, scale * kept_sway))
     as_printed = is_azimuth_example(square.thrust_max, square.distance, square.bearing)
     cases = tuple(
         _case(square, moment, limit, each, name, one, other, as_printed and name == "example")
@@ -185,9 +191,10 @@ def _shares(
 ) -> AngleShares:
     tau = generator.uniform(-1.0, 1.0, (count, 2)) * 4.0 * square.thrust_max
     surge, sway = tau.T
-    in_asteroid = inside(np.array([asteroid_load(*pair, limit) for pair in tau.tolist()]))
+    in_asteroid = inside(np.array([asteroid_load(one, other, limit) for one, other in tau.tolist()]))
     angle = radians(AZIMUTH_ANGLE_DEGREES)
-    by_method = inside(np.array([load_at(*pair, angle, _room(square, moment, angle)) for pair in tau.tolist()]))
+    room = _room(square, moment, angle)
+    by_method = inside(np.array([load_at(one, other, angle, room) for one, other in tau.tolist()]))
     by_any = inside(load_together(square, moment, surge, sway, angle))
     return AngleShares(
         count,

@@ -11,10 +11,11 @@ from typing import Any
 from dp_tools.compare.azimuth_study import AzimuthStudy
 from dp_tools.compare.group_study import GroupStudy
 from dp_tools.compare.plots import Drawing
-from dp_tools.compare.portion_study import AXES, PLANES, PortionStudy
+from dp_tools.compare.portion_study import PLANES, PortionStudy
 from dp_tools.compare.speed_study import TRUTHS, SpeedStudy
 from dp_tools.compare.study import Comparison
 from dp_tools.run_folder import FolderError, make_writable
+from thrust_allocator.methods.cross import AXES
 
 PAGE_NAME, NUMBERS_NAME = "compare.html", "compare.json"
 _DPI = 130

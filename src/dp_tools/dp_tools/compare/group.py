@@ -12,6 +12,7 @@ from marine_model.axes import AXES, FORCE_UNITS, Axis
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from thrust_allocator.feasible import axis_limits, coupled_axes, pseudo_inverse, served_limits
+from thrust_allocator.feasible.directions import along_direction
 
 # Part of the largest element of its column below which an element is rounding; directions have 12 digits.
 _NO_SHARE = 1e-9
@@ -89,14 +90,14 @@ def groups_of(vessel: Vessel) -> tuple[Group, ...]:
     for name, low, high in zip(vessel.thruster_names, vessel.thrust_min, vessel.thrust_max, strict=True):
         if not low < 0.0 < high:
             raise InputError(f"thruster '{name}': expected thrust both ways to compare, found {low:g} to {high:g} N")
-    cos, sin = np.cos(vessel.fixed_direction), np.sin(vessel.fixed_direction)
-    B = (vessel.columns[:, :, 0] * cos[:, None] + vessel.columns[:, :, 1] * sin[:, None]).T
+    B = along_direction(vessel.columns, vessel.fixed_direction).T
     size = np.abs(B)
     shares = size > _NO_SHARE * size.max(axis=1)[:, None]
     found = []
     for places in coupled_axes(B):
-        used = np.flatnonzero(shares[list(places)].any(axis=0))
-        columns = B[np.ix_(list(places), used)]
+        rows = np.array(places)
+        used = np.flatnonzero(shares[rows].any(axis=0))
+        columns = B[np.ix_(rows, used)]
         lower, upper = vessel.thrust_min[used], vessel.thrust_max[used]
         strength = np.minimum(upper, -lower)
         inverse = pseudo_inverse(columns, np.ones(len(used), dtype=np.bool_))

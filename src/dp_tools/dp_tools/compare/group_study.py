@@ -143,7 +143,8 @@ class GroupStudy:
     volumes, shares
         See there.
     corner_loads
-        How many times the attainable set must grow to reach the largest force of every axis as printed, both ways, (m,).
+        How many times the attainable set must grow to reach the largest force of every axis as printed, both ways,
+        shape (m,).
     refused
         None with one axis.
     reductions

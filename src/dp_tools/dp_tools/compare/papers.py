@@ -43,6 +43,7 @@ _SKEWED = (
 _AZIMUTH_SQUARE = (250.0, 0.4, np.radians(30.0))
 AZIMUTH_EXAMPLE = PaperExample("[Garus-A] numerical example", (700.0, -120.0, 50.0), (501.0, -85.9, 50.0))
 AZIMUTH_ANGLE_DEGREES = 29.1
+AZIMUTH_LIMIT = 750.0  # tau_1max, N: by it demands grow with the propellers
 # Derived: within the asteroid of that example, and beyond the thrust there is at its angle.
 AZIMUTH_COUNTEREXAMPLE = (100.0, 400.0)
 

@@ -15,15 +15,17 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from dp_tools.compare.azimuth_study import AzimuthStudy
 from dp_tools.compare.group_study import GroupStudy
 from dp_tools.compare.polytope import Polytope
-from dp_tools.compare.portion_study import AXES, PLANES, SHARES, PortionStudy
+from dp_tools.compare.portion_study import PLANES, SHARES, PortionStudy
 from dp_tools.compare.speed_study import SpeedStudy
 from dp_tools.compare.study import Comparison
 from dp_tools.report import style
 from dp_tools.report.panels import WIDTH
 from marine_model.guards import FloatArray
+from thrust_allocator.methods.cross import AXES
 
 _EXACT, _METHOD, _PSEUDO = style.COMMANDED, style.DESIRED, style.LIMIT
 _SOLIDS = 4  # in one picture
+_DRAWN = 6  # one of so many points of an outline that areas need more of
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +99,8 @@ def _solids(study: GroupStudy, name: str) -> Drawing:
     return Drawing(
         name,
         f"{group.name}: what is attainable and the octahedron",
-        "All that the thrusters give along their fixed directions, blue, and what (3.1) lets pass with the largest forces as "
-        "printed, red.",
+        "All that the thrusters give along their fixed directions, blue, and what (3.1) lets pass with the largest "
+        "forces as printed, red.",
         "Octahedron within the attainable set",
         figure,
         narrow=columns == 1,
@@ -161,8 +163,8 @@ def _asteroid(study: AzimuthStudy) -> Drawing:
     )
     # Sway to the right and surge upwards, as the vehicle is seen from above.
     for outline, color, line, label in (
-        (study.apart_set.vertices, style.MEASURED, "-", "every propeller at its own angle"),
-        (study.together_outline, _EXACT, "-", "at one common angle, any thrusts"),
+        (study.apart_set.vertices[::_DRAWN], style.MEASURED, "-", "every propeller at its own angle"),
+        (study.together_outline[::_DRAWN], _EXACT, "-", "at one common angle, any thrusts"),
         (asteroid, _METHOD, "-", "asteroid, (16)"),
         (kept, _PSEUDO, (0, (4, 2)), f"kept at {study.present:g}°, pseudo-inverse"),
     ):
@@ -191,8 +193,8 @@ def _asteroid(study: AzimuthStudy) -> Drawing:
     return Drawing(
         "asteroid",
         "Four azimuth propellers: asteroid and what is attainable",
-        f"Surge and sway that can be had together with {study.moment:g} N m of yaw. The arrow is the reduction (18). Dashed: "
-        f"what the pseudo-inverse gives if the propellers stay at {study.present:g}°.",
+        f"Surge and sway that can be had together with {study.moment:g} N m of yaw. The arrow is the reduction (18). "
+        f"Dashed: what the pseudo-inverse gives if the propellers stay at {study.present:g}°.",
         "Asteroid within the attainable surge and sway",
         figure,
         narrow=True,
@@ -218,7 +220,13 @@ def _portions(study: PortionStudy) -> Drawing:
                 label=f"equal portions, P_x = {share:g}" if middle else None,
             )
             axis.annotate(
-                f"{share:g}", (x, y), textcoords="offset points", xytext=(2, 2), fontsize=7.5, color=style.MUTED
+                f"{share:g}",
+                (x, y),
+                textcoords="offset points",
+                xytext=(-2, -8),
+                ha="right",
+                fontsize=7.5,
+                color=style.MUTED,
             )
         axis.margins(0.07)
         axis.set_xlabel(f"{plane[0]} (N)")
@@ -262,8 +270,8 @@ def _over_speed(study: SpeedStudy, name: str) -> Drawing:
     return Drawing(
         name,
         f"Drive of {study.thruster.replace('_', ' ')}: achieved against demanded thrust",
-        "Left: over the speed, demands of a quarter, a half and all of T_max at the largest speed. Right: over the demand, at "
-        "the largest speed. Codes are whole numbers.",
+        "Left: over the speed, demands of a quarter, a half and all of T_max at the largest speed. Right: over the "
+        "demand, at the largest speed. Codes are whole numbers.",
         "Achieved thrust over speed and over demand, with and without compensation",
         figure,
     )

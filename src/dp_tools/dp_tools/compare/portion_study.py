@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import asin
 
 import numpy as np
 
 from dp_tools.compare.group import Group
 from dp_tools.compare.polytope import Polytope, inside
 from marine_model import Vessel
+from marine_model.errors import InputError
 from marine_model.guards import FloatArray
 from thrust_allocator.feasible import Cross, Portions, portion
+from thrust_allocator.methods.cross import AXES, cross_of
 
-AXES = ("surge", "heave", "pitch", "yaw")
 PLANES = (("surge", "yaw"), ("surge", "pitch"))
 # P_x of the table; the one in the middle is drawn by itself.
 SHARES = (0.2, 0.35, 0.5, 0.65, 0.8)
 _MIDDLE = 0.5
-# Directions are written down to 12 digits.
-_NEAR = 1e-6
 
 
 @dataclass(frozen=True)
@@ -75,36 +73,16 @@ class PortionStudy:
         return next(row for row in self.rows if row.surge_portion == _MIDDLE)
 
 
-def cross_of(vessel: Vessel) -> tuple[Cross, float] | None:
-    """Return geometry and T_max (N) of a vessel with the thrusters of (5); None if it has others."""
-    if vessel.degrees_of_freedom != AXES or len(vessel.thrusters) != 5 or any(vessel.can_rotate):
+def cross_with_limit(vessel: Vessel) -> tuple[Cross, float] | None:
+    """Return geometry and T_max (N) at rest of a vessel with the thrusters of (5); None if it has others."""
+    try:
+        found = cross_of(vessel)
+    except InputError:
         return None
-    forces = vessel.columns6[:, :, 0]
-    vertical = np.flatnonzero(np.abs(np.abs(forces[:, 2]) - 1.0) <= _NEAR)
-    if len(vertical) != 1:
-        return None
-    bow = int(vertical[0])
-    sign = -float(np.sign(forces[bow, 2]))
-    down = int(np.argmax(np.where(np.arange(5) == bow, -np.inf, forces[:, 2])))
-    across = float(forces[down, 2])
-    if not 0.0 < across < 1.0:
-        return None
-    stern_arm, bow_arm = float(forces[down, 4]) / across, sign * float(forces[bow, 4])
-    along = float(np.sqrt(1.0 - across**2))
-    marching = np.array(
-        [
-            [along, -side * across, -rise * across, 0.0, -rise * across * stern_arm, side * across * stern_arm]
-            for rise, side in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
-        ]
-    )
-    others = np.delete(forces, bow, axis=0)
-    distance = np.abs(others[:, None, :] - marching).max(axis=2)
-    if sorted(np.argmin(distance, axis=1).tolist()) != [0, 1, 2, 3] or distance.min(axis=1).max() > _NEAR:
-        return None
-    strength = np.minimum(vessel.thrust_max, -vessel.thrust_min)
-    low, high = sorted((sign * vessel.thrust_min[bow], sign * vessel.thrust_max[bow]))
-    cross = Cross(asin(across), stern_arm, bow_arm, float(low), float(high))
-    return cross, float(np.delete(strength, bow).min())
+    *marching, bow = found.order
+    low, high = sorted((found.bow_sign * float(vessel.thrust_min[bow]), found.bow_sign * float(vessel.thrust_max[bow])))
+    strength = np.minimum(vessel.thrust_max, -vessel.thrust_min)[marching]
+    return Cross(found.angle, found.stern_arm, found.bow_arm, low, high), float(strength.min())
 
 
 def study_portions(
@@ -115,7 +93,7 @@ def study_portions(
     Parameters
     ----------
     cross, thrust_max
-        As from :func:`cross_of`.
+        As from :func:`cross_with_limit`.
     group, exact
         The four axes and their attainable set.
     demands, generator
@@ -144,7 +122,8 @@ def study_portions(
 
 def _load(tau: FloatArray, cross: Cross, portions: Portions, thrust_max: float) -> FloatArray:
     """Return the load of demands (k, 4) over ``AXES``: the portions are rectangles, it grows with the demand."""
-    return portion(tau[:, 0], tau[:, 1], tau[:, 2], tau[:, 3], cross, portions, thrust_max).load
+    load: FloatArray = portion(tau[:, 0], tau[:, 1], tau[:, 2], tau[:, 3], cross, portions, thrust_max).load
+    return load
 
 
 def _four(values: FloatArray) -> tuple[float, float, float, float]:

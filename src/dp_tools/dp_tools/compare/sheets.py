@@ -8,12 +8,13 @@ import numpy as np
 
 from dp_tools.compare.azimuth_study import AngleCase, AzimuthStudy
 from dp_tools.compare.group_study import GroupStudy, Reduction, Refused
-from dp_tools.compare.portion_study import AXES, PLANES, PortionStudy
+from dp_tools.compare.portion_study import PLANES, PortionStudy
 from dp_tools.compare.program import ATTAINED
 from dp_tools.compare.sheet import Row, Sheet, figures, percent
 from dp_tools.compare.speed_study import SpeedStudy
 from dp_tools.quantities import number
 from marine_model import Vessel
+from thrust_allocator.methods.cross import AXES
 
 # How much a corner may be out of reach before it is said to be: rounding.
 _BEYOND = 1e-9
@@ -48,8 +49,8 @@ def azimuth_sheets(study: AzimuthStudy) -> Iterator[Sheet]:
         ),
         f"The moment takes {number(study.reserved)} N of {number(study.square.thrust_max)} N, (14), and leaves "
         f"{number(study.limit)} N of surge or sway, (15). {shares.count} random demands of both, uniform up to "
-        f"{number(4.0 * study.square.thrust_max)} N, (11). Step 2 keeps the present angle for all of the asteroid: with "
-        f"{study.present:g}° there, {percent(shares.kept_in_vain / kept)} of it is beyond the pseudo-inverse, and "
+        f"{number(4.0 * study.square.thrust_max)} N, (11). Step 2 keeps the present angle for all of the asteroid: "
+        f"with {study.present:g}° there, {percent(shares.kept_in_vain / kept)} of it is beyond the pseudo-inverse, and "
         f"{percent(shares.kept_and_short / kept)} beyond any thrusts.",
     )
     yield from (_angle_case(study, case) for case in study.cases)
@@ -73,10 +74,10 @@ def portion_sheets(study: PortionStudy) -> Iterator[Sheet]:
         "Portions, [Kostenko] (6): largest demand by axis, and area over the attainable",
         (*names, *(f"area {one}, {other}" for one, other in PLANES), "of random demands"),
         tuple(rows),
-        f"P_φ = P_ψ = 1 − P_x. What portions reach is a box, within which no channel has a say in another. In the planes it "
-        f"covers {percent(middle.area_ratios[0])} and {percent(middle.area_ratios[1])} of what is attainable with equal "
-        f"portions, its best, and {percent(middle.met / study.attainable)} of the attainable ones of {study.count} random "
-        "demands, uniform up to the largest attainable of each axis.",
+        "P_φ = P_ψ = 1 − P_x. In a plane portions reach a rectangle, and no channel has a say in another. With equal "
+        f"portions it covers {percent(middle.area_ratios[0])} and {percent(middle.area_ratios[1])} of what is "
+        f"attainable, the most of these, and {percent(middle.met / (study.attainable or 1.0))} of the attainable ones "
+        f"of {study.count} random demands, uniform up to the largest attainable of each axis.",
     )
 
 
@@ -112,8 +113,8 @@ def speed_sheets(study: SpeedStudy) -> Iterator[Sheet]:
             (speed, tuple(f"{x:.2f}" for pair in zip(row.error, row.rms, strict=True) for x in pair))
             for speed, row in zip(speeds, study.rows, strict=True)
         ),
-        f"At {last.speed:g} m/s no demand is missed by more than {last.error[0]:.2f} N by Table 2: what the two tables differ "
-        f"by, codes being whole numbers. In equilibrium it is {last.error[1]:.2f} N.",
+        f"At {last.speed:g} m/s no demand is missed by more than {last.error[0]:.2f} N by Table 2, which is what "
+        f"Tables 2 and 4 differ by, and half a code. In equilibrium it is {last.error[1]:.2f} N.",
     )
 
 
@@ -163,8 +164,8 @@ def _verdict(study: GroupStudy) -> str:
         if load > 1.0 + _BEYOND
     ]
     words = [
-        f"[Garus-F] has (3.1) as 'if and only if'. It is not: the octahedron has {ratio:.4f} of the attainable volume and "
-        f"refuses {percent(shares.refused_in_vain / (shares.attainable or 1.0))} of the attainable ones among "
+        f"[Garus-F] has (3.1) as 'if and only if'. It is not: the octahedron has {ratio:.4f} of the attainable volume "
+        f"and refuses {percent(shares.refused_in_vain / (shares.attainable or 1.0))} of the attainable ones among "
         f"{shares.count} random demands."
     ]
     if beyond:
@@ -219,8 +220,8 @@ def _served(vessel: Vessel, study: GroupStudy, refused: Refused) -> Sheet:
         f"{group.name}: {demand}, refused by (3.1) and served",
         ("limits (N)", "pseudo-inverse (N)", "quadratic program (N)"),
         tuple((name.replace("-", "−"), tuple(cell.replace("-", "−") for cell in cells)) for name, cells in rows),
-        f"Left side of (3.1): {refused.load:.3f}. The demand is attainable {refused.multiple:.3f} times. Residual of the "
-        f"quadratic program: {figures(refused.residual, 2)}.",
+        f"Left side of (3.1): {refused.load:.3f}. The demand is attainable {refused.multiple:.3f} times. Residual of "
+        f"the quadratic program: {figures(refused.residual, 2)}.",
     )
 
 
@@ -233,7 +234,8 @@ def _reduction(study: GroupStudy, one: Reduction) -> Sheet:
             (way.method, (*(number(float(x), 4) for x in way.given), "" if way.share is None else f"{way.share:.4f}"))
             for way in one.ways
         ),
-        f"Left side of (3.1): {one.load:.3f}. Share: of the demand, or of the axes that are not kept. Weights of (14): 1.",
+        f"Left side of (3.1): {one.load:.3f}. Share: of the demand, or of the axes that are not kept. Weights of (14): "
+        "1.",
     )
 
 
@@ -258,8 +260,8 @@ def _angle_case(study: AzimuthStudy, case: AngleCase) -> Sheet:
         ("times attainable", "surge, sway given", "angle"),
         tuple(rows),
         f"Kept at {study.present:g}°, |X| / cos α + |Y| / sin α is {number(case.needed_at, 4)} N, against "
-        f"{number(study.limit, 4)} N that the method counts with; the pseudo-inverse asks {number(case.largest_at, 4)} N "
-        f"of one propeller of {number(study.square.thrust_max, 4)} N.",
+        f"{number(study.limit, 4)} N that the method counts with; the pseudo-inverse asks "
+        f"{number(case.largest_at, 4)} N of one propeller of {number(study.square.thrust_max, 4)} N.",
     )
 
 

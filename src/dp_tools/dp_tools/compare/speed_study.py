@@ -132,7 +132,7 @@ class DriveInWater:
 
 
 def drives_of(vessel: Vessel) -> list[tuple[str, int, DriveInWater]]:
-    """Return the different drives that take codes: name of the first thruster, how many have it, drive and propeller."""
+    """Return the different drives that take codes: name of the first thruster, how many have it, and the drive."""
     found: list[tuple[str, int, DriveInWater]] = []
     kinds: list[object] = []
     for thruster, model in zip(vessel.thrusters, vessel.propeller_models, strict=True):

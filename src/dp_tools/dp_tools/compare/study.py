@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from dp_tools.compare.azimuth_study import AzimuthStudy, azimuth_square, study_azimuth
-from dp_tools.compare.group import groups_of
+from dp_tools.compare.azimuth_study import AzimuthStudy, square_of, study_azimuth
+from dp_tools.compare.group import Group, groups_of
 from dp_tools.compare.group_study import GroupStudy, study_group
-from dp_tools.compare.portion_study import PortionStudy, cross_of, study_portions
+from dp_tools.compare.portion_study import PortionStudy, cross_with_limit, study_portions
 from dp_tools.compare.speed_study import SpeedStudy, drives_of, study_speed
 from marine_model import Vessel
 from marine_model.errors import InputError
@@ -46,27 +46,8 @@ class Comparison:
     speeds: tuple[SpeedStudy, ...]
 
 
-def compare_vessel(
-    vessel: Vessel,
-    demands: int,
-    seed: int,
-    advance: Callable[[int], None] = lambda _: None,
-    begin: Callable[[int], None] = lambda _: None,
-) -> Comparison:
-    """Return the comparison of a vessel.
-
-    Parameters
-    ----------
-    vessel
-        The vessel.
-    demands
-        Random demands for each part.
-    seed
-        Of all random numbers.
-    advance
-        Called with the number of demands done since the last call.
-    begin
-        Called once, with the number of all demands.
+def groups_to_compare(vessel: Vessel, demands: int, seed: int) -> tuple[Group, ...]:
+    """Return the groups of axes of ``vessel``, once it is clear that they can be looked at.
 
     Raises
     ------
@@ -76,13 +57,32 @@ def compare_vessel(
     for name, value, least in (("--demands", demands, 1), ("--seed", seed, 0)):
         if value < least:
             raise InputError(f"{name}: expected {least} or more, found {value}")
-    groups = groups_of(vessel)
-    begin(demands * len(groups))
+    return groups_of(vessel)
+
+
+def compare_vessel(
+    vessel: Vessel,
+    groups: Sequence[Group],
+    demands: int,
+    seed: int,
+    advance: Callable[[int], None] = lambda _: None,
+) -> Comparison:
+    """Return the comparison of a vessel.
+
+    Parameters
+    ----------
+    vessel
+        The vessel.
+    groups, demands, seed
+        From :func:`groups_to_compare`, and its arguments: random demands for each part, and their seed.
+    advance
+        Called with the number of demands done since the last call; there are ``demands`` for each group.
+    """
     studies = tuple(
         study_group(vessel, group, demands, np.random.default_rng([seed, _GROUPS, i]), advance)
         for i, group in enumerate(groups)
     )
-    square, cross = azimuth_square(vessel), cross_of(vessel)
+    square, cross = square_of(vessel), cross_with_limit(vessel)
     # The axes of a cross hang together, or it would be none.
     portions = (
         None
