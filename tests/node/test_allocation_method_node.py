@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from dp_msgs.msg import AllocationStatus, ThrusterCommand
 from geometry_msgs.msg import WrenchStamped
 from nav_msgs.msg import Odometry
@@ -17,7 +15,6 @@ from nav_msgs.msg import Odometry
 from dp_node import from_nanoseconds, to_nanoseconds
 from marine_model import load_vessel
 from marine_model.settings import with_parameters
-from support.marching_thruster import drive_data
 from support.node_bench import NodeBench, node_bench
 from thrust_allocator import AllocationResult, Allocator, AllocatorSettings
 from thrust_allocator.node import AllocatorNode
@@ -159,15 +156,10 @@ def odometry(stamp: int, speed: float, valid: bool = True) -> Odometry:
     return message
 
 
-def test_lockstep_waits_for_the_speed_of_the_demand_s_own_sample(start: Any, tmp_path: Path) -> None:
+def test_lockstep_waits_for_the_speed_of_the_demand_s_own_sample(start: Any) -> None:
     """From the first demand on: the estimate of a sample comes before its demand, though it may be heard after it."""
-    drive = yaml.safe_dump({"drive": drive_data().model_dump(mode="json")}, default_flow_style=True, width=10_000)
-    names = load_vessel("mmt300").thruster_names
-    path = tmp_path / "auv.yaml"
-    rows = "".join(f"  - {{name: {name}, {drive.strip()[1:-1]}}}\n" for name in names)
-    path.write_text(f"extends: mmt300\nname: auv\nthrusters:\n{rows}", encoding="utf-8")
-    vessel = load_vessel(str(path))
-    bench = start(vessel=str(path), method="portioned", synchronous=True)
+    vessel = load_vessel("mmt300")
+    bench = start(vessel="mmt300", method="portioned", synchronous=True)
     expected = Allocator(vessel, AllocatorSettings.for_vessel(vessel, method="portioned"))
     node, six = bench.bench.node, (500.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     tau, stamp = np.array(six)[vessel.axis_indices], START
