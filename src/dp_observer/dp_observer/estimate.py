@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from dp_observer.vertical import VerticalEstimate
 from marine_model.guards import FloatArray
 
 
@@ -46,6 +45,33 @@ class ObserverInputs:
 
 
 @dataclass(frozen=True, slots=True)
+class VerticalEstimate:
+    """Estimate of depth, roll and pitch; every array has shape (3,).
+
+    Attributes
+    ----------
+    position
+        Depth (m), roll, pitch (rad, in [-pi, pi)).
+    velocity
+        Their rates, m/s, rad/s.
+    bias
+        Force along heave, moments about roll and pitch that the model does not know (N, N m, N m).
+    innovation
+        Fix minus the position predicted for it (m, rad, rad); zero without a fix.
+    valid, status, time_since_measurement
+        As in :class:`ObserverEstimate`, of these axes alone.
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    bias: FloatArray
+    innovation: FloatArray
+    valid: bool
+    status: ObserverStatus
+    time_since_measurement: float
+
+
+@dataclass(frozen=True, slots=True)
 class ObserverEstimate:
     """The estimate at the time of the step; every array has shape (3,).
 
@@ -68,7 +94,8 @@ class ObserverEstimate:
     time_since_measurement
         Age (s) of the last fix used, or time since the first step if there was none.
     vertical
-        Depth, roll and pitch of a submerged vehicle; None for a vessel on the surface.
+        Depth, roll and pitch of a submerged vehicle; None for a vessel on the surface. ``valid``, ``status`` and
+        ``time_since_measurement`` are then the worse of both.
     """
 
     position: FloatArray

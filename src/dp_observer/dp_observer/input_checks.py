@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from numpy.typing import ArrayLike
 
-from dp_observer.estimate import ObserverInputs
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector, positive_number
 
@@ -27,14 +25,14 @@ def checked_tau(value: ArrayLike) -> FloatArray:
     return _bounded("tau", value, _LARGEST_FORCE)
 
 
-def checked_vertical(inputs: ObserverInputs) -> ObserverInputs:
-    """Return the inputs with depth (m), roll, pitch (rad) and their forces checked. Raises InputError."""
-    fix, force = inputs.vertical, inputs.vertical_tau
-    return replace(
-        inputs,
-        vertical=None if fix is None else _bounded("depth, roll and pitch", fix, _LARGEST_POSITION),
-        vertical_tau=None if force is None else _bounded("tau of heave, roll and pitch", force, _LARGEST_FORCE),
-    )
+def checked_place(value: ArrayLike) -> FloatArray:
+    """Return a fix [depth (m), roll (rad), pitch (rad)], shape (3,). Raises InputError."""
+    return _bounded("depth, roll and pitch", value, _LARGEST_POSITION)
+
+
+def checked_vertical_tau(value: ArrayLike) -> FloatArray:
+    """Return a force along heave (N) and moments about roll and pitch (N m), shape (3,). Raises InputError."""
+    return _bounded("tau of heave, roll and pitch", value, _LARGEST_FORCE)
 
 
 def checked_step(value: float) -> float:

@@ -80,7 +80,7 @@ class ObserverNode(RingNode[ObserverSettings]):
         self._pose_stamps = StampSequence("pose", self._sample * 1e-9)
         self._tau_stamps = StampSequence("tau_achieved", self._sample * 1e-9)
         self._tau: FloatArray = np.zeros(3)
-        self._vertical_tau: FloatArray = np.zeros(3)
+        self._vertical_tau: FloatArray | None = None  # of a submerged vehicle
         self._due = 0  # ns of the node's clock: when the watchdog acts
         self._tally = Tally()
         self._frozen = FrozenFix(self.vessel)
@@ -89,10 +89,9 @@ class ObserverNode(RingNode[ObserverSettings]):
     def _on_tau(self, message: Any) -> None:
         require_frame("tau_achieved", BODY_FRAME, message.header.frame_id)
         tau = to_tau(message)
-        if self.vessel.is_submerged:
-            self._vertical_tau = to_vertical_tau(message)
+        below = to_vertical_tau(message) if self.vessel.is_submerged else None
         self._tau_stamps.follow(message.header.stamp)  # whether time began anew is for the poses to say
-        self._tau = tau
+        self._tau, self._vertical_tau = tau, below
         self._gate.answer(to_nanoseconds(message.header.stamp))
 
     def _on_pose(self, message: Any) -> None:
@@ -158,7 +157,7 @@ class ObserverNode(RingNode[ObserverSettings]):
         last = self._tau_stamps.last
         if last is None or stamp - last > self.vessel.drivers.command_timeout * 1e9:
             return ObserverInputs(position, np.zeros(3), below)
-        return ObserverInputs(position, self._tau, below, self._vertical_tau if self.vessel.is_submerged else None)
+        return ObserverInputs(position, self._tau, below, self._vertical_tau)
 
     def _publish(self, estimate: ObserverEstimate, stamp: int) -> None:
         self._odometry.publish(to_odometry(estimate, stamp))

@@ -11,7 +11,7 @@ from nav_msgs.msg import Odometry
 
 from dp_node import from_nanoseconds
 from dp_observer.estimate import ObserverEstimate
-from dp_observer.input_checks import checked_position, checked_tau
+from dp_observer.input_checks import checked_place, checked_position, checked_tau, checked_vertical_tau
 from marine_model.errors import InputError
 from marine_model.frames import (
     BODY_FRAME,
@@ -21,7 +21,7 @@ from marine_model.frames import (
     quaternion_to_attitude,
     quaternion_to_heading,
 )
-from marine_model.guards import FloatArray, finite_vector
+from marine_model.guards import FloatArray
 
 
 def require_frame(topic: str, expected: str, found: str) -> None:
@@ -53,13 +53,13 @@ def to_vertical(message: Any) -> FloatArray:
     pose = message.pose.pose
     q = pose.orientation
     roll, pitch, _ = quaternion_to_attitude(q.x, q.y, q.z, q.w)
-    return finite_vector("depth, roll and pitch", [pose.position.z, roll, pitch], 3)
+    return checked_place([pose.position.z, roll, pitch])
 
 
 def to_vertical_tau(message: Any) -> FloatArray:
     """Return heave (N), roll, pitch (N m), shape (3,), of a WrenchStamped. Raises InputError."""
     wrench = message.wrench
-    return finite_vector("tau of heave, roll and pitch", [wrench.force.z, wrench.torque.x, wrench.torque.y], 3)
+    return checked_vertical_tau([wrench.force.z, wrench.torque.x, wrench.torque.y])
 
 
 def to_odometry(estimate: ObserverEstimate, stamp: int) -> Odometry:

@@ -1,15 +1,11 @@
 """Observer of depth, roll and pitch of a submerged vehicle: every axis for itself, without a wave filter.
 
-With the mass m (with added mass), damping d and stiffness k of an axis,
+A Kalman filter of each axis, with the noises of :mod:`dp_observer.axis_models`. While fixes come steadily it has one
+constant gain, and an error with the poles that the vessel file asks for. After a gap it knows by how much less its
+prediction is worth: a constant gain would swing ever higher on fixes that come rarely.
 
-    x_dot = v + l_1 y~
-    v_dot = (tau - d v - k x) / m + b + l_2 y~
-    b_dot = l_3 y~                               y~ = y - x
-
-b, force over mass, takes up what the model does not know: weight less buoyancy, trim, a tether. The error has all three
-poles at -w, the bandwidth, with
-
-    l_1 = 3 w - d / m,    l_2 = 3 w^2 - k / m - l_1 d / m,    l_3 = w^3
+The bias takes up what the model does not know: weight less buoyancy, trim, a tether, and in heave the depth that a
+pitched vehicle gains by its speed ahead.
 
 Waves are left out: at depth z they move the water by exp(-omega^2 z / g) of what they do at the surface.
 """
@@ -17,63 +13,26 @@ Waves are left out: at depth z they move the water by exp(-omega^2 z / g) of wha
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dp_observer.exponential import LinearFlow, growth_rate
+from dp_observer.axis_models import BIAS, POSITION, RATE, AxisModels, corrected, steady_covariance
+from dp_observer.estimate import ObserverStatus, VerticalEstimate
 from dp_observer.measurement_gate import MeasurementGate, Verdict
 from dp_observer.settings import ObserverSettings
-from marine_model.axes import VERTICAL
-from marine_model.errors import InputError
+from dp_observer.timing import LATE, is_too_old, longest_prediction
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
 from marine_model.vertical import VerticalObserverGains
 
-if TYPE_CHECKING:
-    from dp_observer.estimate import ObserverInputs
-
-# State vector, shape (9,).
-PLACE = slice(0, 3)  # depth (m), roll, pitch (rad)
-RATE = slice(3, 6)  # m/s, rad/s
-BIAS = slice(6, 9)  # force over mass, m/s^2, rad/s^2
-ORDER = 9
-
-# A step longer than this many samples has missed one.
-LATE = 1.5
-
-
-@dataclass(frozen=True, slots=True)
-class VerticalEstimate:
-    """Estimate of depth, roll and pitch; every array has shape (3,).
-
-    Attributes
-    ----------
-    position
-        Depth (m), roll, pitch (rad).
-    velocity
-        Their rates, m/s, rad/s.
-    bias
-        Force along heave, moments about roll and pitch that the model does not know (N, N m, N m).
-    innovation
-        Fix minus the position predicted for it (m, rad, rad); zero without a fix.
-    refused
-        Whether there was a fix, and it was too far from the prediction to be used.
-    """
-
-    position: FloatArray
-    velocity: FloatArray
-    bias: FloatArray
-    innovation: FloatArray
-    refused: bool = False
+_ANGLES = (1, 2)  # roll and pitch among the axes
 
 
 class VerticalObserver:
     """Three axes, each observed for itself.
 
-    The equations are linear and solved exactly, with the fix going straight from its last value to the present one and
-    the force constant, as in the horizontal plane.
+    Gaps, outliers and losses are treated as in the horizontal plane and by the same settings, but depth, roll and pitch
+    are judged by themselves.
 
     Parameters
     ----------
@@ -83,38 +42,19 @@ class VerticalObserver:
         Of the hull (m), in which ``innovation_limit`` counts.
     sample_time
         Between fixes, s.
-
-    Raises
-    ------
-    InputError
-        If a bandwidth is so low that a gain would be negative.
     """
 
     def __init__(self, gains: VerticalObserverGains, length: float, sample_time: float) -> None:
-        mass, damping, stiffness = (np.array(v) for v in (gains.mass, gains.damping, gains.stiffness))
-        pole = np.array(gains.bandwidth)
-        self._mass: FloatArray = mass
+        self._mass: FloatArray = np.array(gains.mass)
+        self._models = AxisModels(gains)
         self._gate = MeasurementGate(length)
         self._sample_time = sample_time
-        rate_gain = 3.0 * pole - damping / mass
-        force_gain = 3.0 * pole**2 - stiffness / mass - rate_gain * damping / mass
-        for axis, first, second in zip(VERTICAL, rate_gain.tolist(), force_gain.tolist(), strict=True):
-            if first <= 0.0 or second <= 0.0:
-                raise InputError(
-                    f"vertical.observer.bandwidth: expected a pole of {axis} faster than damping and stiffness over "
-                    f"mass, found gains of {first:.3g} 1/s and {second:.3g} 1/s^2"
-                )
-        self._injection = np.vstack([np.diag(rate_gain), np.diag(force_gain), np.diag(pole**3)])
-        self._prediction = np.zeros((ORDER, ORDER))
-        self._prediction[PLACE, RATE] = self._prediction[RATE, BIAS] = np.eye(3)
-        self._prediction[RATE, PLACE] = np.diag(-stiffness / mass)
-        self._prediction[RATE, RATE] = np.diag(-damping / mass)
-        self._correction = self._prediction.copy()
-        self._correction[:, PLACE] -= self._injection
-        growth = growth_rate(np.stack([self._prediction, self._correction]))
-        self._flow = LinearFlow(ORDER, growth)
-        self._state = np.zeros(ORDER)
-        self._last_fix: FloatArray | None = None
+        # White noise of density 1 seen through samples.
+        self._variance = 1.0 / sample_time
+        self._state = np.zeros((3, 3))  # axis; position, rate, force over mass
+        self._covariance = steady_covariance(self._models.over(sample_time), self._variance)
+        self._initialised = False
+        self._age = 0.0  # s since the last fix used
 
     def fork(self) -> VerticalObserver:
         """Return an observer in the same state that goes its own way."""
@@ -122,67 +62,99 @@ class VerticalObserver:
         twin._gate = copy.copy(self._gate)
         return twin
 
-    def restart(self, inputs: ObserverInputs) -> VerticalEstimate:
-        """Take over a fix as it is; velocity and bias stay."""
-        if inputs.vertical is None:
-            return self._estimate()
-        state = self._state.copy()
-        state[PLACE] = inputs.vertical
-        self._state, self._last_fix = state, inputs.vertical.copy()
-        return self._estimate()
+    def step(
+        self, fix: FloatArray | None, tau: FloatArray | None, dt: float, settings: ObserverSettings
+    ) -> VerticalEstimate:
+        """Return the estimate ``dt`` (s) after the last step.
 
-    def predict(self, inputs: ObserverInputs, dt: float) -> VerticalEstimate:
-        """Return the estimate ``dt`` (s) on, without a fix."""
-        self._state = self._flow.advance(self._prediction, self._state, self._force(inputs), None, dt)
-        self._last_fix = None
-        return self._estimate()
-
-    def correct(self, inputs: ObserverInputs, dt: float, settings: ObserverSettings) -> VerticalEstimate:
-        """Return the estimate ``dt`` (s) on, with the fix of ``inputs``, if that is near enough to the prediction."""
-        fix = inputs.vertical
+        Parameters
+        ----------
+        fix
+            Measured depth (m), roll, pitch (rad), shape (3,); None if there is no fix.
+        tau
+            Force along heave (N), moments about roll and pitch (N m), shape (3,), since the last step; None for none.
+        dt
+            Above 0, s.
+        settings
+            Those in force.
+        """
+        force = np.zeros(3) if tau is None else tau / self._mass
         if fix is None:
-            return self.predict(inputs, dt)
-        if dt > LATE * self._sample_time:
-            # Of the time before the last sample nothing was measured.
-            self.predict(inputs, dt - self._sample_time)
-            dt = self._sample_time
-        force = self._force(inputs)
-        end = self._flow.advance(self._prediction, self._state, force, None, dt)
-        innovation = fix - end[PLACE]
-        innovation[1:] = [wrap_angle(angle) for angle in innovation[1:].tolist()]
-        verdict = self._judge(fix, innovation, settings)
-        if verdict is not Verdict.USE:
-            self._state, self._last_fix = end, None
-            return self.restart(inputs) if verdict is Verdict.RESTART else self._estimate(innovation, refused=True)
-        # Nothing was measured at the start: what is missing at the end was missing there too.
-        first = self._state[PLACE] + innovation if self._last_fix is None else self._last_fix
-        last = first + np.array([fix[0] - first[0], *(wrap_angle(angle) for angle in (fix - first)[1:].tolist())])
-        held = force + self._injection @ first
-        ramp = self._injection @ ((last - first) / dt)
-        self._state = self._flow.advance(self._correction, self._state, held, ramp, dt)
-        self._last_fix = last
-        return self._estimate(innovation)
+            return self._dead_reckon(force, dt, settings)
+        return self._measure(fix, force, dt, settings)
 
-    def _judge(self, fix: FloatArray, innovation: FloatArray, settings: ObserverSettings) -> Verdict:
+    def _dead_reckon(self, force: FloatArray, dt: float, settings: ObserverSettings) -> VerticalEstimate:
+        self._age += dt
+        if not self._initialised:
+            return self._estimate(ObserverStatus.UNINITIALISED, settings)
+        self._predict(force, min(dt, longest_prediction(settings, self._sample_time)))
+        return self._estimate(ObserverStatus.DEAD_RECKONING, settings)
+
+    def _measure(self, fix: FloatArray, force: FloatArray, dt: float, settings: ObserverSettings) -> VerticalEstimate:
+        if not self._initialised:
+            self._initialised = True
+            return self._restart(fix, ObserverStatus.INITIALISED, settings)
+        self._age += dt
+        gap = dt - self._sample_time if dt > LATE * self._sample_time else 0.0
+        if gap > 0.0:
+            self._predict(force, min(gap, longest_prediction(settings, self._sample_time)))
+        self._predict(force, dt - gap)
+        innovation = fix - self._state[:, POSITION]
+        for i in _ANGLES:
+            innovation[i] = wrap_angle(float(innovation[i]))
+        # The prediction was too old a sample ago: any fix may be as far away as it likes.
+        lost = is_too_old(self._age - (dt - gap), settings)
+        verdict = self._judge(fix, innovation, lost, settings)
+        if verdict is Verdict.REFUSE:
+            return self._estimate(ObserverStatus.OUTLIER_REFUSED, settings, innovation)
+        gain, self._covariance = corrected(self._covariance, self._variance)
+        if verdict is Verdict.RESTART:
+            return self._restart(fix, ObserverStatus.REINITIALISED, settings, innovation)
+        self._state = self._state + gain * innovation[:, None]
+        self._age = 0.0
+        return self._estimate(ObserverStatus.NOMINAL, settings, innovation)
+
+    def _judge(self, fix: FloatArray, innovation: FloatArray, lost: bool, settings: ObserverSettings) -> Verdict:
         """Judge depth as a position and the angle that is farther off as a heading."""
         angle = 1 if abs(innovation[1]) > abs(innovation[2]) else 2
         place = np.array([fix[0], 0.0, fix[angle]])
-        return self._gate.judge(place, np.array([innovation[0], 0.0, innovation[angle]]), False, settings)
+        return self._gate.judge(place, np.array([innovation[0], 0.0, innovation[angle]]), lost, settings)
 
-    def _force(self, inputs: ObserverInputs) -> FloatArray:
-        force = np.zeros(ORDER)
-        if inputs.vertical_tau is not None:
-            force[RATE] = inputs.vertical_tau / self._mass
-        return force
+    def _predict(self, force: FloatArray, duration: float) -> None:
+        """Go on for ``duration`` (s) without a fix, under a constant force over mass."""
+        count = max(1, round(duration / self._sample_time))
+        step = self._models.over(duration / count)
+        moved = step.force * force[:, None]
+        for _ in range(count):
+            self._state = np.einsum("aij,aj->ai", step.transition, self._state) + moved
+            self._covariance = step.transition @ self._covariance @ step.transition.transpose(0, 2, 1) + step.noise
 
-    def _estimate(self, innovation: FloatArray | None = None, refused: bool = False) -> VerticalEstimate:
+    def _restart(
+        self,
+        fix: FloatArray,
+        status: ObserverStatus,
+        settings: ObserverSettings,
+        innovation: FloatArray | None = None,
+    ) -> VerticalEstimate:
+        """Take over a fix as it is; velocity and bias stay, as a jump says nothing about them."""
+        state = self._state.copy()
+        state[:, POSITION] = fix
+        self._state, self._age = state, 0.0
+        return self._estimate(status, settings, innovation)
+
+    def _estimate(
+        self, status: ObserverStatus, settings: ObserverSettings, innovation: FloatArray | None = None
+    ) -> VerticalEstimate:
         state = self._state
-        for i in (1, 2):
-            state[i] = wrap_angle(float(state[i]))
+        for i in _ANGLES:
+            state[i, POSITION] = wrap_angle(float(state[i, POSITION]))
+        valid = self._initialised and not is_too_old(self._age, settings)
         return VerticalEstimate(
-            position=state[PLACE].copy(),
-            velocity=state[RATE].copy(),
-            bias=state[BIAS] * self._mass,
+            position=state[:, POSITION].copy(),
+            velocity=state[:, RATE].copy(),
+            bias=state[:, BIAS] * self._mass,
             innovation=np.zeros(3) if innovation is None else innovation,
-            refused=refused,
+            valid=valid,
+            status=ObserverStatus.INVALID if self._initialised and not valid else status,
+            time_since_measurement=self._age,
         )

@@ -25,14 +25,16 @@ _BUOYANCY_OFF = 0.1
 
 
 class Fins(Section):
-    """Fixed fins: side force -k |u| v_fin and -k |u| w_fin, with the velocity of the water across them at x.
+    """Fixed fins: a force -k |u| times their velocity across, with k = rho A a / 2 of area A and slope of lift a.
 
-    k = rho A a / 2 of area A and lift slope a; they hold a slender body against its Munk moment.
+    They hold a slender body against its Munk moment. Those that stand upright are alike above and below, those that lie
+    alike on both sides.
     """
 
     x: Annotated[float, Unit("m")]  # ahead of the origin; negative at the stern
-    sway: FinLift  # k of the fins that stand upright
-    heave: FinLift  # k of those that lie
+    radius: Annotated[NonNegative, Unit("m")]  # from the axis of the body to where the lift of a fin acts
+    sway: FinLift  # k of all that stand upright
+    heave: FinLift  # k of all that lie
 
 
 class UnderwaterBody(Section):

@@ -135,8 +135,8 @@ class VesselSimulator(ABC):
     def measure(self) -> FloatArray | None:
         """Return the measured pose now: north (m), east (m), heading (rad in [-pi, pi)), shape (3,).
 
-        Of a vessel below the surface, shape (6,): then also depth (m), roll and pitch (rad). None if this measurement
-        is lost. Asked again at the same instant, it gives the same answer.
+        Of a vessel below the surface north, east, depth (m), roll, pitch, heading (rad), shape (6,). None if this
+        measurement is lost. Asked again at the same instant, it gives the same answer.
         """
 
     @abstractmethod

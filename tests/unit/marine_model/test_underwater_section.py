@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from scipy.integrate import quad
 
 from marine_model import load_vessel
 from marine_model.constants import GRAVITY
@@ -98,3 +99,71 @@ def test_what_nothing_rights_is_refused(tmp_path: Path) -> None:
     text = refusal(tmp_path, "ukwial", top_heavy)
     assert "nothing else rights it in roll and pitch, found a moment of" in text
     assert "nothing else rights it in roll, found" in refusal(tmp_path, "mmt300", top_heavy)
+
+
+def ellipsoid(length: float, beam: float, height: float) -> tuple[list[float], list[float]]:
+    """Added mass over displaced mass, and added inertia over displaced mass: Lamb, art. 114, 115."""
+    axes = np.array([length, beam, height]) / 2.0
+
+    def factor(i: int) -> float:
+        """Lamb's alpha_0, beta_0, gamma_0."""
+
+        def part(x: float) -> float:
+            return float(np.prod(axes) / ((axes[i] ** 2 + x) * np.sqrt(np.prod(axes**2 + x))))
+
+        return float(quad(part, 0.0, np.inf)[0])
+
+    a = [factor(i) for i in range(3)]
+    squares = axes**2
+    turning = []
+    for i, j in ((1, 2), (0, 2), (0, 1)):
+        difference, total, slope = squares[i] - squares[j], squares[i] + squares[j], a[j] - a[i]
+        round_about = abs(difference) < 1e-12
+        turning.append(0.0 if round_about else difference**2 * slope / (2 * difference - total * slope) / 5.0)
+    return [x / (2.0 - x) for x in a], turning
+
+
+def test_a_sphere_carries_half_of_its_water() -> None:
+    along, turning = ellipsoid(1.0, 1.0, 1.0)
+    np.testing.assert_allclose(along, 0.5, rtol=1e-9)
+    assert turning == [0.0] * 3
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_estimates_are_those_of_the_formulas_that_the_files_name(name: str) -> None:
+    vessel = load_vessel(name)
+    hull, body = vessel.hull, vessel.underwater
+    assert body is not None
+    size = np.array([hull.length, hull.beam, hull.draught])
+    along, turning = ellipsoid(*size)
+    offset = hull.mass * np.array(body.centre_of_gravity)[2] ** 2 * np.array([1.0, 1.0, 0.0])
+    across = size[[1, 0, 0]] ** 2 + size[[2, 2, 1]] ** 2
+    if name == "mmt300":
+        water, scale = vessel.density * np.pi / 6.0 * size.prod(), 1.0
+        inertia = hull.mass * across / 20.0
+        cylinder = 0.5 * vessel.density * 1.1 * hull.beam * hull.length
+        drag = [*(cylinder,) * 2, *(cylinder * hull.length**3 / 32.0,) * 2]
+        quadratic = np.array(body.quadratic_damping)[[1, 2, 4, 5]]
+        # The balance at 2 m/s with T_max of Table 4.
+        left = 4.0 * 24.8 * np.cos(np.radians(22.5))
+        assert body.quadratic_damping[0] * 4.0 + body.linear_damping[0] * 2.0 == pytest.approx(left, rel=0.002)
+        assert body.fins is not None
+        helmbold = 2.0 * np.pi * 2.0 / (2.0 + np.sqrt(2.0**2 + 4.0))
+        assert body.fins.sway == pytest.approx(0.5 * vessel.density * 0.08 * helmbold, rel=0.002)
+        assert body.fins.heave == body.fins.sway
+    else:
+        # Of the proportions of the hull and the displaced volume: lengths go with the third root.
+        water = hull.mass
+        scale = (water / (vessel.density * np.pi / 6.0 * size.prod())) ** (2.0 / 3.0)
+        inertia = hull.mass * across / 12.0
+        half = 0.5 * vessel.density * 1.05
+        length, beam, height = size.tolist()
+        turned = [length * (height**4 + beam**4), beam * (length**4 + height**4), height * (length**4 + beam**4)]
+        drag = [half * a for a in (beam * height, length * height, length * beam)] + [half * t / 32.0 for t in turned]
+        quadratic = np.array(body.quadratic_damping)
+    # The files are written to three digits, or one decimal.
+    np.testing.assert_allclose(body.added_mass[:3], np.array(along) * water, rtol=0.005, atol=0.05)
+    np.testing.assert_allclose(body.added_mass[3:], np.array(turning) * water * scale, rtol=0.005, atol=0.05)
+    np.testing.assert_allclose(np.diag(body.inertia), inertia + offset, rtol=0.005, atol=0.05)
+    np.testing.assert_allclose(quadratic, drag, rtol=0.005)
+    np.testing.assert_allclose(body.linear_damping, 0.1 * np.array(body.quadratic_damping), rtol=0.02, atol=0.03)

@@ -131,11 +131,12 @@ class UnderwaterSimulator(VesselSimulator):
         data = self._vessel.measurement
         pose = None
         if chance < (1.0 - data.dropout) * (1.0 - self._settings.pose_dropout):
-            pose = np.concatenate([self._horizontal_position(), self._vertical_position()])
+            north, east, heading = self._horizontal_position().tolist()
+            pose = np.array([north, east, *self._vertical_position().tolist(), heading])
             if self._settings.sensor_noise:
                 place, turn = data.position_noise, data.attitude_noise
-                pose += noise * np.array([place, place, data.heading_noise, data.depth_noise, turn, turn])
-            pose[2] = wrap_angle(pose[2])
+                pose += noise * np.array([place, place, data.depth_noise, turn, turn, data.heading_noise])
+            pose[5] = wrap_angle(pose[5])
         self._measured = (self._time, pose)
         return pose
 
