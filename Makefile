@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 # A graph is seven interpreters: without bytecode on disk each compiles every module anew.
 unexport PYTHONDONTWRITEBYTECODE
-.PHONY: help setup demo runs test lint bench hydrodynamics lock clean distclean
+.PHONY: help setup demo runs test lint bench fuzz hydrodynamics lock clean distclean
 
 VENV := .venv/bin
 # Tests hand in wrong types on purpose, and strings where a choice is meant.
@@ -12,6 +12,10 @@ HYDRODYNAMICS := .venv-hydrodynamics
 VESSELS := cybership3 drillship
 LOCK_HYDRODYNAMICS := --quiet --upgrade --no-config --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --group hydrodynamics --custom-compile-command "make lock" --output-file locks/hydrodynamics.txt
+LOCK_FUZZ := --quiet --upgrade --no-config --universal --python-version 3.11 --fork-strategy fewest \
+	--generate-hashes --group fuzz --custom-compile-command "make lock" --output-file locks/fuzz.txt
+FUZZED := vessel scenario parameters propeller open_water wave_response bag chunk
+SECONDS := 60
 SETUP := PYTHON="$(PYTHON)" sh scripts/setup.sh
 
 help: ## list the targets
@@ -43,6 +47,10 @@ bench: ## measure against the aims and peers; writes benchmarks/results.json
 	@$(SETUP) setup --bench
 	$(VENV)/python -m benchmarks
 
+fuzz: setup ## fuzz what reads files, guided by coverage (atheris), SECONDS=60 a kind
+	$(VENV)/uv pip install --quiet --require-hashes --python $(VENV)/python --target .cache/fuzz -r locks/fuzz.txt
+	set -e; for kind in $(FUZZED); do PYTHONPATH=.cache/fuzz:tests $(VENV)/python tests/fuzz/fuzz_files.py $$kind $(SECONDS); done
+
 hydrodynamics: setup ## compute motion and drift in waves of VESSELS anew, with capytaine; some minutes each
 	$(VENV)/uv venv --quiet --allow-existing --python $(VENV)/python $(HYDRODYNAMICS)
 	$(VENV)/uv pip install --quiet --require-hashes --python $(HYDRODYNAMICS) --requirement locks/hydrodynamics.txt
@@ -51,6 +59,7 @@ hydrodynamics: setup ## compute motion and drift in waves of VESSELS anew, with 
 lock: ## resolve the dependencies in pyproject.toml anew and write locks/
 	@$(SETUP) lock
 	$(VENV)/uv pip compile $(LOCK_HYDRODYNAMICS)
+	$(VENV)/uv pip compile $(LOCK_FUZZ)
 
 clean: ## remove what the build and the tools made
 	@$(SETUP) clean

@@ -13,6 +13,7 @@ from dp_tools.cli import main
 from dp_tools.commands import (
     bag,
     bag_options,
+    compare,
     design,
     detection,
     disturb,
@@ -34,6 +35,7 @@ from dp_tools.commands import (
 Dp = Callable[..., tuple[int, str]]
 _MODULES = (
     bag,
+    compare,
     bag_options,
     design,
     detection,

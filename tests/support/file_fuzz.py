@@ -15,6 +15,7 @@ from marine_model import load_vessel
 from marine_model.errors import DpError
 from marine_model.propeller_file import load_propeller
 from marine_model.wave_response.load import load_wave_response
+from support.bag_fuzz import chunks, of_chunk, read_spoiled_bag, run_bags
 from support.repository import ROOT
 
 SOURCE = ROOT / "src"
@@ -24,20 +25,39 @@ BRINGUP = SOURCE / "dp_bringup"
 
 @dataclass(frozen=True)
 class Kind:
-    """One kind of file: what reads it, and good ones to begin with."""
+    """One kind of file.
+
+    Parameters
+    ----------
+    read
+        What reads it.
+    suffix
+        Of its name.
+    seeds
+        Good ones to begin with.
+    packed
+        Makes the file of what is spoiled.
+    """
 
     read: Callable[[Path], object]
     suffix: str
-    seeds: tuple[Path, ...]
+    seeds: Callable[[], tuple[bytes, ...]]
+    packed: Callable[[bytes], bytes] = bytes
+
+
+def _files(folder: Path, pattern: str) -> Callable[[], tuple[bytes, ...]]:
+    return lambda: tuple(path.read_bytes() for path in sorted(folder.glob(pattern)))
 
 
 KINDS = {
-    "vessel": Kind(load_vessel, ".yaml", tuple(sorted((MODEL / "vessels").glob("*.yaml")))),
-    "scenario": Kind(load_scenario, ".yaml", tuple(sorted((BRINGUP / "scenarios").glob("*.yaml")))),
-    "parameters": Kind(read_parameter_file, ".yaml", tuple(sorted((BRINGUP / "config").glob("*.yaml")))),
-    "propeller": Kind(load_propeller, ".yaml", tuple(sorted((MODEL / "propeller_files").glob("*.yaml")))),
-    "open_water": Kind(load_trial, ".yaml", tuple(sorted((BRINGUP / "open_water").glob("*.yaml")))),
-    "wave_response": Kind(load_wave_response, ".csv", tuple(sorted((MODEL / "wave_response").glob("*.csv")))),
+    "vessel": Kind(load_vessel, ".yaml", _files(MODEL / "vessels", "*.yaml")),
+    "scenario": Kind(load_scenario, ".yaml", _files(BRINGUP / "scenarios", "*.yaml")),
+    "parameters": Kind(read_parameter_file, ".yaml", _files(BRINGUP / "config", "*.yaml")),
+    "propeller": Kind(load_propeller, ".yaml", _files(MODEL / "propeller_files", "*.yaml")),
+    "open_water": Kind(load_trial, ".yaml", _files(BRINGUP / "open_water", "*.yaml")),
+    "wave_response": Kind(load_wave_response, ".csv", _files(MODEL / "wave_response", "*.csv")),
+    "bag": Kind(read_spoiled_bag, ".mcap", run_bags),
+    "chunk": Kind(read_spoiled_bag, ".mcap", chunks, of_chunk),
 }
 
 _TOKENS = (
@@ -135,7 +155,7 @@ _CHANGES = (_word, _word, _word, _line, _line, _byte, _cut)
 
 def outcome(kind: Kind, content: bytes, path: Path) -> DpError | None:
     """Read ``content`` as a file; return the error that was made of it, if it is one of this project."""
-    path.write_bytes(content)
+    path.write_bytes(kind.packed(content))
     try:
         kind.read(path)
     except DpError as error:

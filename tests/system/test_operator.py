@@ -5,20 +5,24 @@ from __future__ import annotations
 import json
 import re
 import signal
+from array import array
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
-from dp_msgs.msg import AllocationStatus, ControllerStatus
+from diagnostic_msgs.msg import DiagnosticArray
+from dp_msgs.msg import ActuatorSetpoint, AllocationStatus, ControllerStatus, ThrusterCommand
 
 from dp_bringup.operator_node import Operator, operator
 from dp_bringup.parameter_file import read_parameter_file
 from dp_bringup.parameter_service import ParameterRefusedError, RemoteParameters
-from dp_node import RING
+from dp_node import RING, RING_PUBLISHER, from_nanoseconds, to_nanoseconds
+from dp_node.quality import Promise, offered
 from dp_tools.node_settings import default_settings
 from marine_model import load_vessel
+from marine_model.frames import BODY_FRAME
 from marine_model.settings import parameters_of
 from marine_model.yaml_document import parse_value
 from support.dp_command import DpProcess, own_domain
@@ -198,8 +202,16 @@ def test_what_was_dumped_can_be_loaded(dp_here: Dp, one: Operator, tmp_path: Pat
     saved = read_parameter_file(file)
     assert set(saved) == set(NODES)
     assert {node: values(one, node) for node in NODES} == saved
-    assert dp_here("param", "set", "vessel_sim", "waves.direction", "1.25")[0] == 0
-    assert dp_here("param", "set", "thrust_allocator", "thruster_enabled", "[true, true, false, true]")[0] == 0
+    for node, name, value in (
+        ("dp_observer", "dead_reckoning_limit", "17.5"),
+        ("dp_controller", "transfer_time", "4.5"),
+        ("thrust_allocator", "thruster_enabled", "[true, true, false, true]"),
+        ("thruster_drivers", "command_timeout", "1.5"),
+        ("vessel_sim", "waves.direction", "1.25"),
+    ):
+        assert saved[node][name] != parse_value(value)
+        assert dp_here("param", "set", node, name, value)[0] == 0
+    assert not any(values(one, node) == saved[node] for node in NODES)
     code, output = dp_here("param", "load", file)
     assert code == 0, output
     assert {node: values(one, node) for node in NODES} == saved
@@ -227,6 +239,70 @@ def test_a_file_with_a_bad_value_changes_nothing_in_that_node(dp_here: Dp, one: 
     assert code == 1
     assert f"{file}:" in output
     assert "expected one mapping ros__parameters" in output
+
+
+class Drivers:
+    """What the drivers say and do, and the newest command of the allocator."""
+
+    def __init__(self, one: Operator) -> None:
+        self.said: dict[str, str] = {}
+        self.acknowledged: set[int] = set()  # ns
+        self.newest = 0  # ns
+        node = one.node
+        node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, RING)
+        node.create_subscription(ActuatorSetpoint, "actuator_setpoint", self._on_setpoint, RING)
+        node.create_subscription(ThrusterCommand, "thruster_command", self._on_command, RING)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            if status.name == "thruster_drivers":
+                self.said = {item.key: item.value for item in status.values} | {"level": str(status.level[0])}
+
+    def _on_setpoint(self, message: ActuatorSetpoint) -> None:
+        self.acknowledged.add(to_nanoseconds(message.command_stamp))
+
+    def _on_command(self, message: ThrusterCommand) -> None:
+        self.newest = max(self.newest, to_nanoseconds(message.header.stamp))
+
+
+@pytest.mark.parametrize(
+    ("quality", "alarm"),
+    [(RING_PUBLISHER, "NODE-QOS-INCOMPATIBLE"), (offered("thruster_command", Promise()), "NODE-SECOND-PUBLISHER")],
+    ids=["clumsy", "hostile"],
+)
+def test_a_second_publisher_of_commands_is_alarmed_and_not_heard(one: Operator, quality: Any, alarm: str) -> None:
+    """It sends full thrust, stamped a nanosecond after the allocator's commands; the hostile one as a node of ours."""
+    vessel = load_vessel("cybership3")
+    drivers = Drivers(one)
+    one.wait_until(lambda: bool(drivers.newest and drivers.said and drivers.acknowledged), 20.0, "the graph")
+    assert "alarm.NODE-SECOND-PUBLISHER" not in drivers.said
+    before = int(drivers.said["refused_of_others"])
+    intruder = one.node.create_publisher(ThrusterCommand, "thruster_command", quality)
+    hostile = alarm == "NODE-SECOND-PUBLISHER"
+    sent: set[int] = set()
+
+    def refused() -> bool:
+        stamp = drivers.newest + 1
+        # Once it is known to the drivers: what is sent before that is not refused but never arrives.
+        if f"alarm.{alarm}" in drivers.said and len(sent) < 5 and stamp not in sent:
+            message = ThrusterCommand(name=list(vessel.thruster_names), thrust=array("d", vessel.thrust_max))
+            message.azimuth = array("d", vessel.fixed_direction)
+            message.header.frame_id = BODY_FRAME
+            message.header.stamp = from_nanoseconds(stamp)
+            intruder.publish(message)
+            sent.add(stamp)
+        return len(sent) == 5 and int(drivers.said["refused_of_others"]) == before + 5 * hostile
+
+    one.wait_until(refused, 60.0, "all messages to be refused")
+    if hostile:
+        told = drivers.said["alarm.NODE-SECOND-PUBLISHER"]
+        assert f"thruster_command, from thrust_allocator, {one.node.get_name()}; heard is thrust_allocator" in told
+    assert drivers.said["level"] == "2"
+    last = max(sent)
+    one.wait_until(lambda: max(drivers.acknowledged) > last, 20.0, "a command of the allocator to be acknowledged")
+    assert drivers.acknowledged.isdisjoint(sent)
+    one.node.destroy_publisher(intruder)
+    one.wait_until(lambda: "alarm.NODE-SECOND-PUBLISHER" not in drivers.said, 20.0, "the alarm to end")
 
 
 def test_topics_lists_the_graph(dp_here: Dp) -> None:

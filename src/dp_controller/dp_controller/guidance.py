@@ -6,10 +6,8 @@ import math
 
 from dp_controller.reference_generator import ReferenceGenerator
 from dp_controller.timed_path import TimedPath
-from dp_controller.vectors import ZERO, Triple, masked, to_body, to_ned
+from dp_controller.vectors import ZERO, Mask, Triple, masked, to_body, to_ned
 from marine_model.frames import wrap_angle
-
-Mask = tuple[bool, bool, bool]
 
 NO_AXIS: Mask = (False, False, False)
 _TWO_PI = 2.0 * math.pi

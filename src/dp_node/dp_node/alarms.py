@@ -308,6 +308,21 @@ ALARMS = _table(
         "Disable the thruster in the allocator and repair its sensor.",
     ),
     _warn(
+        "DRIVERS-SPEED-LOST",
+        "odometry is missing or stale: codes are those of the vessel at rest",
+        "See whether the observer runs; or set code_map.compensated to false.",
+    ),
+    _warn(
+        "DRIVERS-SPEED-CLAMPED",
+        "the surge speed is outside the tables of a drive and is clamped",
+        "Sail at a speed that the tables cover.",
+    ),
+    _warn(
+        "DRIVERS-WAITS",
+        "thruster_feedback waits for an input",
+        "See whether the observer runs, and publishes odometry to the drivers.",
+    ),
+    _warn(
         "DRIVERS-VENTILATION",
         "propellers draw air",
         "None if anti-spin is on; else switch antispin.enabled on, or change heading.",

@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import json
-import struct
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
-from mcap.exceptions import McapError
-from mcap.opcode import Opcode
-from mcap.reader import make_reader
-from mcap.records import Chunk, Message
-from mcap.stream_reader import StreamReader, get_chunk_data_stream
-from mcap.summary import Summary
 from numpy.typing import NDArray
 from rosbags.typesys import TypesysError
 from rosbags.typesys.store import Typestore
 
+from dp_tools.bags.bag import Bag, open_bag
 from dp_tools.bags.errors import BagError
 from dp_tools.bags.files import bag_files
 from dp_tools.cdr.bulk import Batch, batches
@@ -40,9 +34,6 @@ from marine_model.guards import FloatArray
 _NANOSECONDS = 1_000_000_000
 # Simulated time begins at 0. A stamp beyond this is wall-clock time, which is shown from the start of the recording.
 _LONGEST_RUN_NS = 10_000_000 * _NANOSECONDS
-# Channel, sequence, log time, publish time; the message follows.
-_MESSAGE_HEAD = struct.Struct("<HIQQ")
-_RECORD_HEAD = struct.Struct("<BQ")
 _BY_NAME: Mapping[str, RunTopic] = {topic.name: topic for topic in TOPICS}
 # The topic whose log times say how long the run took.
 _PACE_TOPIC = "thruster_feedback"
@@ -275,14 +266,10 @@ def read_bag(path: Path, vessel: str = "") -> RecordedRun:
     if found.metadata is None and len({_of_one_bag(file) for file in found.files}) > 1:
         names = ", ".join(file.name for file in found.files)
         raise BagError(f"{path}: expected the files of one bag, found {names}; name one of them")
-    parts = []
-    for file in found.files:
-        try:
-            with file.open("rb") as stream:
-                parts.append(_read_part(stream, file))
-        except (OSError, McapError) as error:
-            raise BagError(f"{file}: cannot be read: {error}") from error
-    return _read(parts, path, vessel)
+    with open_bag(path) as bag:
+        for file, error in bag.cut_off.items():
+            raise BagError(f"{file}: cannot be read to its end: {error}; dp bag check --repair may help")
+        return _read(bag, path, vessel)
 
 
 def _of_one_bag(file: Path) -> str:
@@ -291,38 +278,14 @@ def _of_one_bag(file: Path) -> str:
     return name if number.isdigit() else file.stem
 
 
-@dataclass
-class _Part:
-    """What one file of a bag holds; messages by the full name of their topic."""
-
-    schemas: dict[str, str]
-    attachments: dict[str, bytes]
-    records: dict[str, Mapping[str, str]]
-    raw: dict[str, _Raw]
-
-
-def _read_part(stream: IO[bytes], file: Path) -> _Part:
-    reader = make_reader(stream)
-    summary = reader.get_summary()
-    if summary is None:
-        raise BagError(f"{file}: has no summary; the recording was not closed")
-    try:
-        schemas = {schema.name: schema.data.decode() for schema in summary.schemas.values()}
-    except UnicodeDecodeError as error:
-        raise BagError(f"{file}: cannot be read: {error}") from error
-    attachments = {attachment.name: attachment.data for attachment in reader.iter_attachments()}
-    records = {record.name: record.metadata for record in reader.iter_metadata()}
-    return _Part(schemas, attachments, records, _raw_messages(stream, summary))
-
-
-def _read(parts: list[_Part], path: Path, vessel_name: str) -> RecordedRun:
+def _read(bag: Bag, path: Path, vessel_name: str) -> RecordedRun:
     # Files after the first repeat what belongs to every file.
-    attachments = {name: data for part in reversed(parts) for name, data in part.attachments.items()}
-    records = {name: values for part in reversed(parts) for name, values in part.records.items()}
-    schemas = {name: text for part in parts for name, text in part.schemas.items()}
+    attachments = {one.name: one.data for one in reversed(bag.attachments)}
+    records = {one.name: one.metadata for one in reversed(bag.records)}
+    schemas = {topic.kind: topic.definition for topic in bag.topics}
     vessel, scenario = documents(attachments, vessel_name, path)
     collector = _Collector(vessel)
-    raw = _joined(parts, path)
+    raw = _messages(bag, path)
     try:
         types = types_of({one.kind: schemas[one.kind] for one in raw})
         for one in raw:
@@ -335,16 +298,25 @@ def _read(parts: list[_Part], path: Path, vessel_name: str) -> RecordedRun:
     return RecordedRun(RunData(info, run.thrusters, run.series, run.labels, run.degrees_of_freedom), vessel, scenario)
 
 
-def _joined(parts: list[_Part], path: Path) -> list[_Raw]:
-    """Return the messages of all files by topic, in the order of the files."""
+def _messages(bag: Bag, path: Path) -> list[_Raw]:
+    """Return the messages of every topic that counts, in the order of the files."""
     joined: dict[str, _Raw] = {}
-    for part in parts:
-        for name, one in part.raw.items():
-            whole = joined.setdefault(name, _Raw(one.topic, one.kind, []))
-            if whole.kind != one.kind:
-                raise BagError(f"{path}: {name}: expected one type, found {whole.kind} and {one.kind}")
-            whole.data += one.data
-            whole.first, whole.last = whole.first or one.first, one.last or whole.last
+    wanted: dict[int, _Raw] = {}
+    for number, topic in enumerate(bag.topics):
+        short = topic.name.rpartition("/")[2]
+        if short in _BY_NAME:
+            one = joined.setdefault(topic.name, _Raw(_BY_NAME[short], topic.kind, []))
+            if one.kind != topic.kind:
+                raise BagError(f"{path}: {topic.name}: expected one type, found {one.kind} and {topic.kind}")
+            wanted[number] = one
+    for row, (number, log_time) in enumerate(
+        zip(bag.messages.topic.tolist(), bag.messages.log_time.tolist(), strict=True)
+    ):
+        found = wanted.get(number)
+        if found is not None:
+            found.first = found.first or log_time
+            found.last = log_time
+            found.data.append(bag.data(row))
     if not joined:
         raise BagError(f"{path}: holds none of the topics {', '.join(_BY_NAME)}")
     shown = [one.topic.name for one in joined.values()]
@@ -395,42 +367,6 @@ def _info(
         simulated_time=min(end + vessel.simulation.time_step, scenario.duration) if scenario else end,
         wall_time=(last - first) * 1e-9,
     )
-
-
-def _raw_messages(stream: IO[bytes], summary: Summary) -> dict[str, _Raw]:
-    """Return the messages of every topic that counts, by its full name."""
-    by_name: dict[str, _Raw] = {}
-    found: dict[int, _Raw] = {}
-    for channel in summary.channels.values():
-        short = channel.topic.rpartition("/")[2]
-        if short in _BY_NAME:
-            kind = summary.schemas[channel.schema_id].name
-            found[channel.id] = by_name.setdefault(channel.topic, _Raw(_BY_NAME[short], kind, []))
-    for channel_id, log_time, data in _messages(stream):
-        raw = found.get(channel_id)
-        if raw is not None:
-            raw.first = raw.first or log_time
-            raw.last = log_time
-            raw.data.append(data)
-    return by_name
-
-
-def _messages(stream: IO[bytes]) -> Iterator[tuple[int, int, bytes]]:
-    """Yield channel, log time (ns) and data of every message, in the order of the file."""
-    stream.seek(0)
-    for record in StreamReader(stream, emit_chunks=True).records:
-        if isinstance(record, Message):
-            yield record.channel_id, record.log_time, record.data
-        elif isinstance(record, Chunk):
-            data = get_chunk_data_stream(record, validate_crc=True)[0].read(record.uncompressed_size)
-            at = 0
-            while at < len(data):
-                opcode, length = _RECORD_HEAD.unpack_from(data, at)
-                at += _RECORD_HEAD.size
-                if opcode == Opcode.MESSAGE:
-                    channel_id, _, log_time, _ = _MESSAGE_HEAD.unpack_from(data, at)
-                    yield channel_id, log_time, data[at + _MESSAGE_HEAD.size : at + length]
-                at += length
 
 
 def documents(attachments: Mapping[str, bytes], vessel_name: str, file: Path) -> tuple[Vessel, Scenario | None]:

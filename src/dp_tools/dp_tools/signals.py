@@ -7,8 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from dp_tools.run_data import VERTICAL as VERTICAL_SERIES
 from dp_tools.run_data import RunData, Series
 from marine_model import Vessel
+from marine_model.axes import HORIZONTAL, VERTICAL, axis_indices
 from marine_model.frames import wrap_angles
 from marine_model.guards import FloatArray
 
@@ -26,27 +28,48 @@ def measured_thrust(run: RunData, vessel: Vessel) -> Series:
 
 
 def measured_force(run: RunData, vessel: Vessel) -> Series:
-    """Return the generalized force from measured shaft speed and azimuth, tau_RAW of [Ruth] 4.5.2, shape (k, 3)."""
+    """Return the generalized force from measured shaft speed and azimuth, tau_RAW of [Ruth] 4.5.2.
+
+    Shape (k, 3), surge, sway, yaw; of a submerged vehicle heave, roll and pitch are in :func:`measured_vertical_force`.
+    """
     thrust = measured_thrust(run, vessel)
     azimuth = run["azimuth"].at(thrust.t)
     x = thrust.values * np.cos(azimuth)
     y = thrust.values * np.sin(azimuth)
+    if vessel.is_submerged:
+        return Series(thrust.t, _six(vessel, x, y)[:, axis_indices(HORIZONTAL)])
     moment = vessel.lever_x * y - vessel.lever_y * x
     return Series(thrust.t, np.column_stack([x.sum(axis=1), y.sum(axis=1), moment.sum(axis=1)]))
 
 
+def measured_vertical_force(run: RunData, vessel: Vessel) -> Series:
+    """Return the same along heave, roll and pitch, shape (k, 3)."""
+    thrust = measured_thrust(run, vessel)
+    azimuth = run["azimuth"].at(thrust.t)
+    six = _six(vessel, thrust.values * np.cos(azimuth), thrust.values * np.sin(azimuth))
+    return Series(thrust.t, six[:, axis_indices(VERTICAL)])
+
+
+def _six(vessel: Vessel, x: FloatArray, y: FloatArray) -> FloatArray:
+    """Return the generalized force in six degrees of freedom, shape (k, 6), of thrusts along n_1 and n_2, (k, n)."""
+    columns = vessel.columns6
+    return np.asarray(x @ columns[:, :, 0] + y @ columns[:, :, 1])
+
+
 def position_error(run: RunData, of: str) -> Series:
-    """Return position minus reference, shape (k, 3): m north, m east, rad of heading.
+    """Return position minus reference, shape (k, 3): m north, m east, rad of heading; or m of depth, rad, rad.
 
     Parameters
     ----------
     run
         The run.
     of
-        Name of the series: estimate_position or truth_position.
+        Name of the series: estimate_position or truth_position; vertical_estimate or vertical_truth for depth, roll
+        and pitch of a submerged vehicle.
     """
     position = run[of]
-    error = position.values - run["reference_position"].at(position.t)
+    reference = "vertical_reference" if of in VERTICAL_SERIES else "reference_position"
+    error = position.values - run[reference].at(position.t)
     error[:, 2] = wrap_angles(error[:, 2])
     return Series(position.t, error)
 

@@ -199,11 +199,11 @@ def test_what_is_no_bag(bag: Path, tmp_path: Path) -> None:
     with pytest.raises(BagError, match="expected MCAP files, found none"):
         read_bag(tmp_path)
     (tmp_path / "text.mcap").write_text("not a recording", encoding="utf-8")
-    with pytest.raises(BagError, match=r"text\.mcap: cannot be read"):
+    with pytest.raises(BagError, match=r"text\.mcap: expected an MCAP file"):
         read_bag(tmp_path / "text.mcap")
     whole = (bag / "bag_0.mcap").read_bytes()
     (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(BagError, match=r"cut\.mcap: "):
+    with pytest.raises(BagError, match=r"cut\.mcap: cannot be read to its end: byte \d+: .*the file ends"):
         read_bag(tmp_path / "cut.mcap")
 
 

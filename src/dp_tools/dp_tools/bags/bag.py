@@ -237,8 +237,7 @@ class _FileReader:
         topic = self._topics.get(channel)
         if topic is None:
             raise DamageError(at, f"message of channel {channel}, which is not defined before")
-        if log_time > _LATEST or publish_time > _LATEST:
-            raise DamageError(at, f"message with the time {max(log_time, publish_time)} ns")
+        expect_time(log_time, publish_time, at)
         for column, value in zip(self._columns, (topic, log_time, publish_time, sequence), strict=True):
             column.append(value)
         for column, value in zip(self._bag._where, (block, begin + MESSAGE_HEAD.size, end), strict=True):
@@ -254,6 +253,12 @@ class _FileReader:
         if topic not in known:
             known.append(topic)
         self._topics[record.id] = known.index(topic)
+
+
+def expect_time(log_time: int, publish_time: int, at: int) -> None:
+    """Raise DamageError if a message at byte ``at`` is of a time (ns) that is kept nowhere."""
+    if log_time > _LATEST or publish_time > _LATEST:
+        raise DamageError(at, f"message with the time {max(log_time, publish_time)} ns")
 
 
 def bag_topic(channel: Channel, schemas: Mapping[int, Schema], at: int) -> BagTopic:

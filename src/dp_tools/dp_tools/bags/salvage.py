@@ -14,7 +14,7 @@ import zstandard
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Message, Metadata, Schema
 
-from dp_tools.bags.bag import BagTopic, bag_topic
+from dp_tools.bags.bag import BagTopic, bag_topic, expect_time
 from dp_tools.bags.errors import CutOffError, DamageError
 from dp_tools.bags.mcap_records import (
     FIRST_PRIVATE,
@@ -122,13 +122,21 @@ class Salvage:
             if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 self._define(RawRecord(opcode, at, data[begin:end]))
             elif opcode == Opcode.MESSAGE:
-                yield self._message(data[begin:end], at)
+                try:
+                    message = self._message(data[begin:end], at)
+                except DamageError as error:
+                    # The others of the chunk are right: its checksum is, or nothing else is wrong with it.
+                    if error.args not in [known.args for known in self.damage[-1:]]:
+                        self.damage.append(error)
+                    continue
+                yield message
 
     def _message(self, content: bytes, at: int) -> SavedMessage:
         channel, sequence, log_time, publish_time = MESSAGE_HEAD.unpack_from(content)
         topic = self._topics.get(channel)
         if topic is None:
             raise DamageError(at, f"message of channel {channel}, which is not defined before")
+        expect_time(log_time, publish_time, at)
         return SavedMessage(topic, sequence, log_time, publish_time, content[MESSAGE_HEAD.size :])
 
     def _define(self, raw: RawRecord) -> None:

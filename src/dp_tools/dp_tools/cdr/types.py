@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
 
 from rosbags.typesys import get_types_from_msg
 from rosbags.typesys.store import Typestore
@@ -16,5 +18,10 @@ def types_of(definitions: Mapping[str, str]) -> Typestore:
     store = Typestore()
     for kind, text in definitions.items():
         # Types that two definitions contain are the same in both.
-        store.register({name: form for name, form in get_types_from_msg(text, kind).items() if name not in store.types})
+        store.register({name: form for name, form in _parsed(text, kind).items() if name not in store.types})
     return store
+
+
+@lru_cache(maxsize=64)
+def _parsed(text: str, kind: str) -> Mapping[str, Any]:
+    return dict(get_types_from_msg(text, kind))

@@ -59,6 +59,11 @@ ENTRIES = {
         "design",
         "Judge a thruster configuration: every combination of working thrusters, and every split into two power buses.",
     ),
+    "compare": Entry(
+        "compare",
+        "compare",
+        "Show what published allocation methods give away against the exact attainable set and the quadratic program.",
+    ),
     "propeller": Entry(
         "propeller",
         "propeller",

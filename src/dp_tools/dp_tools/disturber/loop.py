@@ -138,7 +138,7 @@ class DisturbedLoop(ClosedLoop):
                 observed = observed or heard
                 answer = found or answer
         if not observed:
-            made = self._ahead.run_ahead(self._tau_achieved)
+            made = self._ahead.run_ahead(ObserverInputs(None, self._tau_achieved))
             if made is not None:
                 self._second.missing += 1
                 answer = made

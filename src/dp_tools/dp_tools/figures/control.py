@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 
 from dp_tools.figures.base import ComparedFigure, Measurement, Shown, WindowFigure
-from dp_tools.figures.samples import AXES, FORCE_UNITS, Axis, column, relative_change_of, rms
+from dp_tools.figures.samples import PlaneAxis, axis_unit, column, relative_change_of, rms
 from dp_tools.run_data import RunData
 from marine_model import Vessel
+from marine_model.axes import HORIZONTAL
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
@@ -23,17 +24,17 @@ class ControlTermLevel(WindowFigure):
 
     kind: Literal["control_term_level"]
     term: Term
-    axis: Axis
+    axis: PlaneAxis
     statistic: Literal["rms", "max"]
 
     @property
     def unit(self) -> str:
         """Newton or newton metre."""
-        return FORCE_UNITS[AXES.index(self.axis)]
+        return axis_unit(self.axis)
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the statistic."""
-        values = column(run[self.term], scenario, self.window, AXES.index(self.axis))
+        values = column(run[self.term], scenario, self.window, HORIZONTAL.index(self.axis))
         return Measurement(float(np.abs(values).max())) if self.statistic == "max" else Measurement.of(rms, values)
 
 
@@ -42,12 +43,12 @@ class ControlTermChange(ComparedFigure):
 
     kind: Literal["control_term_change"]
     term: Term
-    axis: Axis
+    axis: PlaneAxis
     statistic: Literal["rms", "max"]
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the relative change."""
-        index = AXES.index(self.axis)
+        index = HORIZONTAL.index(self.axis)
         if self.statistic == "rms":
             return Measurement.of(relative_change_of(rms), *self.sides(run[self.term], scenario, index))
         off, on = (
@@ -68,11 +69,11 @@ class SignChange(WindowFigure):
 
     kind: Literal["sign_change"]
     term: Changing
-    axis: Axis
+    axis: PlaneAxis
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the time; None if the integral term did not come to that side within the window."""
-        return Measurement(_sign_change(run, scenario, self.window, self.term, AXES.index(self.axis)))
+        return Measurement(_sign_change(run, scenario, self.window, self.term, HORIZONTAL.index(self.axis)))
 
 
 class SignChangeShift(ComparedFigure):
@@ -83,13 +84,13 @@ class SignChangeShift(ComparedFigure):
 
     kind: Literal["sign_change_shift"]
     term: Changing
-    axis: Axis
+    axis: PlaneAxis
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the difference; None if a time is missing."""
         sides = []
         for windows in (self.baseline, self.compared):
-            times = [_sign_change(run, scenario, window, self.term, AXES.index(self.axis)) for window in windows]
+            times = [_sign_change(run, scenario, window, self.term, HORIZONTAL.index(self.axis)) for window in windows]
             known = [time for time in times if time is not None]
             if len(known) < len(times):
                 return Measurement(None)

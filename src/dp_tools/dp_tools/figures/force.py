@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 import numpy as np
 
 from dp_tools.figures.base import ComparedFigure, Measurement, Shown, WindowFigure
-from dp_tools.figures.samples import AXES, FORCE_UNITS, Axis, column, mean, relative_change, rms, std
+from dp_tools.figures.samples import axis_unit, column, mean, relative_change, rms, series_of_axis, std
 from dp_tools.run_data import RunData, Series
-from dp_tools.signals import measured_force
+from dp_tools.signals import measured_force, measured_vertical_force
 from marine_model import Vessel
+from marine_model.axes import HORIZONTAL, VERTICAL, Axis
 from marine_model.guards import FloatArray
 from marine_model.schema import PositiveVector3
 from marine_model.units import Unit
@@ -28,14 +29,12 @@ class _ForceFigure(WindowFigure):
     @property
     def unit(self) -> str:
         """Newton or newton metre."""
-        return FORCE_UNITS[self._index]
+        return axis_unit(self.axis)
 
-    @property
-    def _index(self) -> int:
-        return AXES.index(self.axis)
-
-    def _column(self, series: Series, scenario: Scenario) -> FloatArray:
-        return column(series, scenario, self.window, self._index)
+    def _column(self, name: Force, run: RunData, vessel: Vessel, scenario: Scenario) -> FloatArray:
+        """Return the samples of the axis in the window."""
+        series, index = _force(name, self.axis, run, vessel)
+        return column(series, scenario, self.window, index)
 
 
 class ForceLevel(_ForceFigure):
@@ -47,8 +46,8 @@ class ForceLevel(_ForceFigure):
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the statistic."""
-        series = _force(self.force, run, vessel)
-        return Measurement.of(mean if self.statistic == "mean" else std, self._column(series, scenario))
+        values = self._column(self.force, run, vessel, scenario)
+        return Measurement.of(mean if self.statistic == "mean" else std, values)
 
 
 class ForceLevelChange(ComparedFigure):
@@ -60,7 +59,8 @@ class ForceLevelChange(ComparedFigure):
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the relative change."""
-        sides = self.sides(_force(self.force, run, vessel), scenario, AXES.index(self.axis))
+        series, index = _force(self.force, self.axis, run, vessel)
+        sides = self.sides(series, scenario, index)
         return Measurement.of(relative_change, *sides)
 
 
@@ -71,9 +71,10 @@ class ForceTracking(_ForceFigure):
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the root mean square."""
-        measured = measured_force(run, vessel)
-        error = Series(measured.t, measured.values - run["tau_achieved"].at(measured.t))
-        return Measurement.of(rms, self._column(error, scenario))
+        measured, index = _force("tau_measured", self.axis, run, vessel)
+        commanded, _ = _force("tau_achieved", self.axis, run, vessel)
+        error = Series(measured.t, measured.values - commanded.at(measured.t))
+        return Measurement.of(rms, column(error, scenario, self.window, index))
 
 
 class ForceDeviation(_ForceFigure):
@@ -83,7 +84,8 @@ class ForceDeviation(_ForceFigure):
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the largest magnitude."""
-        desired, achieved = (self._column(run[name], scenario) for name in ("tau_desired", "tau_achieved"))
+        desired = self._column("tau_desired", run, vessel, scenario)
+        achieved = self._column("tau_achieved", run, vessel, scenario)
         return Measurement(float(np.abs(achieved - desired).max()))
 
 
@@ -112,9 +114,16 @@ class ForceJump(_ForceFigure):
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the largest."""
-        desired, achieved = (self._column(run[name], scenario) for name in ("tau_desired", "tau_achieved"))
+        desired = self._column("tau_desired", run, vessel, scenario)
+        achieved = self._column("tau_achieved", run, vessel, scenario)
         return Measurement(float((np.abs(np.diff(achieved)) - np.abs(np.diff(desired))).max()))
 
 
-def _force(name: Force, run: RunData, vessel: Vessel) -> Series:
-    return measured_force(run, vessel) if name == "tau_measured" else run[name]
+def _force(name: Force, axis: Axis, run: RunData, vessel: Vessel) -> tuple[Series, int]:
+    """Return the series in which an axis of a force stands, and its column."""
+    if name == "tau_measured":
+        if axis in HORIZONTAL:
+            return measured_force(run, vessel), HORIZONTAL.index(axis)
+        return measured_vertical_force(run, vessel), VERTICAL.index(axis)
+    series, index = series_of_axis(name, axis)
+    return run[series], index

@@ -16,25 +16,33 @@ if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
 
 Place = Literal["north", "east", "heading"]
+# Of a submerged vehicle; in series of their own.
+Below = Literal["depth", "roll", "pitch"]
 PLACES: tuple[Place, ...] = ("north", "east", "heading")
+BELOW: tuple[Below, ...] = ("depth", "roll", "pitch")
+LENGTHS = ("north", "east", "depth")
 
 
 class PositionError(WindowFigure):
     """Deviation from the reference over a window, m or deg."""
 
     kind: Literal["position_error"]
-    axis: Place
+    axis: Place | Below
     of: Literal["estimate", "truth"] = "estimate"
     statistic: Literal["std", "rms", "max"]
 
     @property
     def unit(self) -> str:
         """Metre or degree."""
-        return "deg" if self.axis == "heading" else "m"
+        return "m" if self.axis in LENGTHS else "deg"
 
     def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
         """Return the statistic; "max" is that of the magnitude."""
-        error = column(position_error(run, f"{self.of}_position"), scenario, self.window, PLACES.index(self.axis))
+        if self.axis in BELOW:
+            name, index = f"vertical_{self.of}", BELOW.index(self.axis)
+        else:
+            name, index = f"{self.of}_position", PLACES.index(self.axis)
+        error = column(position_error(run, name), scenario, self.window, index)
         if self.unit == "deg":
             error = np.degrees(error)
         if self.statistic == "max":

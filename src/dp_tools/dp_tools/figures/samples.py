@@ -9,14 +9,33 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from dp_tools.run_data import Series
+from marine_model.axes import AXES as SIX
+from marine_model.axes import FORCE_UNITS, HORIZONTAL, VERTICAL, Axis
 from marine_model.guards import FloatArray
 
 if TYPE_CHECKING:
     from dp_tools.scenario import Scenario
 
-Axis = Literal["surge", "sway", "yaw"]
-AXES: tuple[Axis, ...] = ("surge", "sway", "yaw")
-FORCE_UNITS = ("N", "N", "N m")
+PlaneAxis = Literal["surge", "sway", "yaw"]
+# Heave, roll and pitch of a submerged vehicle are in series of their own.
+_BELOW = {
+    "tau_desired": "vertical_desired",
+    "tau_achieved": "vertical_achieved",
+    "estimate_position": "vertical_estimate",
+    "truth_position": "vertical_truth",
+}
+
+
+def axis_unit(axis: Axis) -> str:
+    """Return the unit of a force along, or a moment about, an axis."""
+    return FORCE_UNITS[SIX.index(axis)]
+
+
+def series_of_axis(name: str, axis: Axis) -> tuple[str, int]:
+    """Return the series in which ``axis`` of ``name`` stands, and its column."""
+    if axis in HORIZONTAL:
+        return name, HORIZONTAL.index(axis)
+    return _BELOW[name], VERTICAL.index(axis)
 
 
 def column(series: Series, scenario: Scenario, window: str | tuple[str, ...], index: int) -> FloatArray:

@@ -12,6 +12,7 @@ from dp_tools.report import style
 from dp_tools.report.directions import draw_direction
 from dp_tools.report.panels import svg_uri
 from dp_tools.report.scene import Picture, Scene, Span
+from dp_tools.report.underwater import below, codes, method, vertical_forces
 from dp_tools.run_data import Series
 from dp_tools.signals import (
     averaged,
@@ -32,32 +33,46 @@ def pictures(scene: Scene) -> Iterator[Picture]:
     """Return the pictures of the whole run; what the run has no signals for is left out."""
     makers: tuple[tuple[tuple[str, ...], Callable[[Scene, Span], Picture]], ...] = (
         (("estimate_position",), position),
+        (("vertical_estimate",), below),
         (("power",), power),
         (("tau_desired", "tau_achieved"), forces),
+        (("vertical_desired", "vertical_achieved"), vertical_forces),
+        (("feasible_load", "tau_desired"), method),
         (("azimuth_command",), directions),
         (("thrust_command",), thrusts),
+        (("code",), codes),
         (("beta_q2", "thrust_command"), ventilation),
         (("estimate_position",), track),
         (("wave_position", "bias"), observer),
         (("proportional", "integral", "derivative"), control_terms),
     )
     for needed, maker in makers:
-        if all(name in scene.run for name in needed) and (maker is not control_terms or scene.automatic):
-            yield maker(scene, scene.whole)
+        if not all(name in scene.run for name in needed):
+            continue
+        if (maker is control_terms and not scene.automatic) or (maker is directions and not any(_turning(scene))):
+            continue
+        yield maker(scene, scene.whole)
 
 
 def close_up_pictures(scene: Scene, window: str) -> Iterator[Picture]:
     """Return forces, directions and thrusts of one window."""
     span = scene.scenario.windows[window]
     for needed, maker in (
+        ("vertical_estimate", below),
         ("tau_desired", forces),
+        ("feasible_load", method),
         ("azimuth_command", directions),
         ("thrust_command", thrusts),
         ("beta_q2", ventilation),
         ("power", power),
     ):
-        if needed in scene.run:
+        if needed in scene.run and (maker is not directions or any(_turning(scene))):
             yield maker(scene, span)
+
+
+def _turning(scene: Scene) -> tuple[bool, ...]:
+    """Return which thrusters turn."""
+    return scene.vessel.can_rotate
 
 
 def position(scene: Scene, span: Span) -> Picture:
@@ -153,7 +168,7 @@ def forces(scene: Scene, span: Span) -> Picture:
 def directions(scene: Scene, span: Span) -> Picture:
     """Directions of the azimuth thrusters, Figures 4.8 and C.2."""
     run = scene.run
-    turning = [j for j, can in enumerate(scene.vessel.can_rotate) if can]
+    turning = [j for j, can in enumerate(_turning(scene)) if can]
     panels = scene.panels(tuple(f"{run.thrusters[j].replace('_', ' ')}\n(deg)" for j in turning), span, height=1.35)
     for row, j in enumerate(turning):
         draw_direction(panels, row, scene, j)
