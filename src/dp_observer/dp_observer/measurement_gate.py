@@ -32,6 +32,11 @@ class MeasurementGate:
         self._refused: tuple[float, float, float] | None = None
         self._count = 0
 
+    @property
+    def count(self) -> int:
+        """How many fixes in a row have been refused that agree with one another; 1 for the first."""
+        return self._count
+
     def judge(self, fix: FloatArray, innovation: FloatArray, lost: bool, settings: ObserverSettings) -> Verdict:
         """Return what to do with ``fix``, shape (3,), that lies ``innovation``, shape (3,), from the prediction.
 

@@ -55,6 +55,8 @@ class VerticalObserver:
         self._covariance = steady_covariance(self._models.over(sample_time), self._variance)
         self._initialised = False
         self._age = 0.0  # s since the last fix used
+        self._first_refused = np.zeros(3)  # innovation of the first of the refused fixes that agree
+        self._since_refused = 0.0  # s
 
     def fork(self) -> VerticalObserver:
         """Return an observer in the same state that goes its own way."""
@@ -105,10 +107,20 @@ class VerticalObserver:
         # The prediction was too old a sample ago: any fix may be as far away as it likes.
         lost = is_too_old(self._age - (dt - gap), settings)
         verdict = self._judge(fix, innovation, lost, settings)
+        if verdict is not Verdict.USE:
+            if self._gate.count == 1:
+                self._first_refused, self._since_refused = innovation, 0.0
+            else:
+                self._since_refused += dt
         if verdict is Verdict.REFUSE:
             return self._estimate(ObserverStatus.OUTLIER_REFUSED, settings, innovation)
         gain, self._covariance = corrected(self._covariance, self._variance)
         if verdict is Verdict.RESTART:
+            if self._since_refused > 0.0:
+                # A jump leaves the innovation as it is. What made it grow is the rate: kept wrong, it would lead away
+                # from the fix again, for ever.
+                self._state = self._state.copy()
+                self._state[:, RATE] += (innovation - self._first_refused) / self._since_refused
             return self._restart(fix, ObserverStatus.REINITIALISED, settings, innovation)
         self._state = self._state + gain * innovation[:, None]
         self._age = 0.0
@@ -136,7 +148,7 @@ class VerticalObserver:
         settings: ObserverSettings,
         innovation: FloatArray | None = None,
     ) -> VerticalEstimate:
-        """Take over a fix as it is; velocity and bias stay, as a jump says nothing about them."""
+        """Take over a fix as it is; a jump says nothing about velocity and bias."""
         state = self._state.copy()
         state[:, POSITION] = fix
         self._state, self._age = state, 0.0

@@ -248,7 +248,22 @@ def test_an_outlier_is_refused_and_one_that_stays_believed(jump: tuple[float, fl
     estimate = found.step(fix, STILL, SAMPLE, SETTINGS)
     assert estimate.status is ObserverStatus.REINITIALISED
     np.testing.assert_allclose(estimate.position, fix, atol=1e-15)
-    np.testing.assert_allclose(estimate.bias, before.bias, rtol=1e-12)  # a jump says nothing about it
+    np.testing.assert_allclose(estimate.bias, before.bias, rtol=1e-12)  # a jump says nothing about these
+    np.testing.assert_allclose(estimate.velocity, plant.state[:, 1], atol=1e-9)
+
+
+def test_a_rate_that_was_wrong_is_not_kept_by_a_restart() -> None:
+    found, plant = settled()
+    found._state[0, 1] += 4.0  # every prediction is 0.8 m off, beyond the 0.5 m of the gate
+    found._state[2, 1] += 3.0
+    statuses = []
+    for _ in range(40):
+        estimate = found.step(plant.step(STILL), STILL, SAMPLE, SETTINGS)
+        statuses.append(estimate.status)
+    assert statuses[5] is ObserverStatus.REINITIALISED
+    assert set(statuses[6:]) == {ObserverStatus.NOMINAL}
+    # Damping bends the way of the innovation, and the slope is that of its chord; the filter has 7 s for the rest.
+    np.testing.assert_allclose(estimate.velocity, plant.state[:, 1], atol=0.1)
 
 
 def test_fixes_that_disagree_are_never_believed_and_do_not_keep_the_estimate_valid() -> None:
