@@ -1,5 +1,7 @@
 # make help lists the targets. Choose another Python with: make PYTHON=python3.12 setup
 .DEFAULT_GOAL := help
+# A graph is seven interpreters: without bytecode on disk each compiles every module anew.
+unexport PYTHONDONTWRITEBYTECODE
 .PHONY: help setup demo runs test lint bench fuzz hydrodynamics lock clean distclean
 
 VENV := .venv/bin

@@ -49,7 +49,7 @@ class EqualProblem:
         scale = _SLACK_WEIGHT / float(weights.slack.min())
         allocator = self._allocator(weights.thrust * scale, weights.slack * scale)
         for j in range(len(weights.thrust)):
-            thruster = self._modules.thruster.Thruster((weights.lever_x[j], weights.lever_y[j]))
+            thruster = self._modules.thruster.Thruster((weights.columns[j, 2, 1], -weights.columns[j, 2, 0]))
             # The last thruster's windows change first from one sub-problem to the next.
             stride = math.prod(self._counts[j + 1 :])
             for i in range(self._counts[j]):

@@ -11,6 +11,7 @@ setup(
             "py.typed",
             "data/*.csv",
             "data/*.yaml",
+            "drive_files/*.yaml",
             "propeller_files/*.yaml",
             "vessels/*.yaml",
             "wave_response/*.csv",

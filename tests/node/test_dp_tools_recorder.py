@@ -427,12 +427,13 @@ def test_a_recorder_that_is_killed_loses_less_than_a_second(node: Node, tmp_path
     until_heard(publisher)
     sent: list[int] = []  # wall-clock times, ns
 
-    def publish(_: float) -> None:
+    def publish() -> None:
         sent.append(time.time_ns())
         publisher.publish(odometry(len(sent) - 1))
-        time.sleep(0.0005)  # as fast as a ring in lockstep, not as fast as it goes
 
-    wait_until(lambda: sent and sent[-1] - sent[0] > 2_500_000_000, spin=publish)
+    timer = node.create_timer(0.0005, publish)  # as fast as a ring in lockstep, not as fast as it goes
+    wait_until(lambda: sent and sent[-1] - sent[0] > 2_500_000_000, spin=lambda s: rclpy.spin_once(node, timeout_sec=s))
+    node.destroy_timer(timer)
     recording.process.kill()
     killed = time.time_ns()
     recording.process.wait(timeout=20.0)

@@ -21,7 +21,7 @@ from rclpy.parameter import Parameter
 
 from dp_node import RING, RingExecutor, from_nanoseconds, to_nanoseconds
 from marine_model import Vessel, load_vessel
-from support.thruster_rig import controllable_pitch_vessel
+from support.thruster_rig import LAWS, controllable_pitch_vessel
 from support.waiting import wait_until
 from thruster_drivers import DriverInputs, Drivers, DriverSettings
 from thruster_drivers.controllers import CONTROLLERS, needs_pitch
@@ -437,7 +437,7 @@ def test_all_laws_follow_each_other_while_thrusters_turn(ros: None, tmp_path: Pa
         gains = vessel.drivers.shaft_speed
         gain = np.array([2.0 * math.pi * model.inertia * gains.bandwidth for model in shaft_models(vessel)])
         # Every ordered pair of eight laws once: a round trip over the complete graph.
-        for law in _round_trip(CONTROLLERS):
+        for law in _round_trip(LAWS):
             request = SetParameters.Request(parameters=[Parameter("controller", value=law).to_parameter_msg()])
             future = client.call_async(request)
             bench.until(future.done)

@@ -300,6 +300,7 @@ class BagOfRun:
             torque=self._row("torque_setpoint", k),
             azimuth_rate=self._row("azimuth_rate_setpoint", k),
             pitch_ratio=self._row("pitch_ratio_setpoint", k),
+            code=self._row("code", k).astype(np.int16) if "code" in self._run else np.zeros(0, dtype=np.int16),
         )
 
     def _ventilation(self, k: int, stamp: int) -> Any:

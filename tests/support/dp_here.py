@@ -12,6 +12,8 @@ from rich.console import Console
 from dp_tools.cli import main
 from dp_tools.commands import (
     bag,
+    bag_options,
+    compare,
     design,
     detection,
     disturb,
@@ -33,6 +35,8 @@ from dp_tools.commands import (
 Dp = Callable[..., tuple[int, str]]
 _MODULES = (
     bag,
+    compare,
+    bag_options,
     design,
     detection,
     disturb,

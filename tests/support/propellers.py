@@ -7,6 +7,7 @@ import numpy as np
 from marine_model.propellers import (
     BollardPropeller,
     FourQuadrantPropeller,
+    PolynomialPropeller,
     PropellerModel,
     TabulatedPropeller,
     WageningenBPropeller,
@@ -28,6 +29,7 @@ SERIES = (
 FIRST_QUADRANT: dict[str, PropellerModel] = {
     "bollard": BollardPropeller(0.09, 0.93, 0.42, 0.0442),
     "linear": BollardPropeller(0.09, 0.93, 0.42, 0.0442, -0.353, -0.0325),
+    "polynomial": PolynomialPropeller(0.14, 0.60, (0.139, -0.155, -0.061), (0.0171, -0.0164, -0.0055)),
     "wageningen_b": B4_70,
     "tabulated": TabulatedPropeller(0.25, 1.0, ADVANCE, THRUST, TORQUE, PITCHES),
     "tabulated, two pitches": TabulatedPropeller(0.25, 0.9, ADVANCE, THRUST[:2], TORQUE[:2], PITCHES[:2]),

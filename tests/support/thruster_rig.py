@@ -7,8 +7,11 @@ from typing import Any
 
 from marine_model import Vessel, load_vessel
 from marine_model.propellers.kernel import thrust_torque
+from thruster_drivers.controllers import CONTROLLERS, needs_drive
 from thruster_drivers.shaft_model import ShaftModel
 
+# Those of any thruster, controllable pitch or not: no drive that takes codes.
+LAWS = tuple(law for law in CONTROLLERS if not needs_drive(law))
 SUBSTEPS = 8  # of the simulated shaft in one control step
 
 

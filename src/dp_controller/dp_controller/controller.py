@@ -10,17 +10,19 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dp_controller.guidance import Guidance, Mask
+from dp_controller.guidance import Guidance
 from dp_controller.joystick import Joystick
 from dp_controller.pid import NonlinearPid
 from dp_controller.reference_generator import ReferenceGenerator
-from dp_controller.settings import AxisMode, ControllerSettings, check_settings
+from dp_controller.settings import AxisMode, AxisModes, ControllerSettings, check_settings
 from dp_controller.signals import ControllerInputs, ControllerOutput
 from dp_controller.timed_path import TimedPath
 from dp_controller.transfer import Transfer
-from dp_controller.vectors import ZERO, Triple, masked
+from dp_controller.vectors import ZERO, Mask, Triple, limited, masked, product
+from dp_controller.vertical import VerticalController, VerticalInputs
 from dp_controller.wind_feedforward import WindFeedforward
 from marine_model import Vessel
+from marine_model.axes import VERTICAL
 from marine_model.errors import InputError
 from marine_model.frames import wrap_angle
 from marine_model.guards import finite_number, finite_vector, positive_number
@@ -50,6 +52,9 @@ class Controller:
     is switched on or off, or no wind is measured, the integral of an automatic axis takes over the difference, so that
     the demand stays as it is.
 
+    Of a submerged vehicle heave, roll and pitch are controlled in the same way, :class:`VerticalController`. A mode for
+    all axes is for those that the vehicle has; in the others the demand is zero.
+
     The clock of the controller reads 0 at the first step, and ``dt`` more at each later one.
 
     Parameters
@@ -57,12 +62,13 @@ class Controller:
     vessel
         Gains and limits come from ``vessel.controller``.
     settings
-        What the operator may change.
+        What the operator may change; defaults that fit the vessel if None.
 
     Raises
     ------
     InputError
-        If feed-forward is enabled and the vessel has no ``wind_forces``.
+        If feed-forward is enabled and the vessel has no ``wind_forces``, or an axis is to be controlled that is not
+        among its degrees of freedom.
     """
 
     def __init__(self, vessel: Vessel, settings: ControllerSettings | None = None) -> None:
@@ -71,7 +77,7 @@ class Controller:
         self._velocity_max = gains.reference.velocity_max
         self._gap_max = _LONGEST_GAP * vessel.measurement.sample_time
         self._vessel = vessel
-        self._settings = settings if settings is not None else ControllerSettings()
+        self._settings = settings if settings is not None else ControllerSettings.for_vessel(vessel)
         check_settings(self._settings, vessel)
         self._feedforward = WindFeedforward(vessel)
         self._pid = NonlinearPid(*self._scaled_gains())
@@ -87,6 +93,9 @@ class Controller:
         self._demand: Triple = ZERO
         self._demand_unlimited: Triple = ZERO
         self._message = ""
+        self._vertical: VerticalController | None = None
+        if vessel.vertical is not None:
+            self._vertical = VerticalController(vessel.vertical.controller, vessel.degrees_of_freedom, self._settings)
 
     # Operator -------------------------------------------------------------------------------------------------------
 
@@ -119,27 +128,57 @@ class Controller:
         """
         check_settings(settings, self._vessel)
         before, self._settings = self._settings, settings
+        if self._vertical is not None:
+            self._vertical.apply(settings)
         self._pid.gains = self._scaled_gains()
         self._guidance.generator.velocity_max = self._scaled_velocity()
         self._retuned = self._retuned or any(
             getattr(before, name) != getattr(settings, name)
             for name in ("proportional_scale", "derivative_scale", "velocity_scale")
         )
-        if before.axis_modes == settings.axis_modes and before.mode == settings.mode:
+        modes = self._modes(settings)
+        if self._modes(before) == modes and before.mode == settings.mode:
             self._message = "accepted: settings"
         else:
-            axes = ", ".join(f"{axis} {mode}" for axis, mode in zip(AXES, settings.axis_modes, strict=True))
+            axes = ", ".join(f"{axis} {mode}" for axis, mode in modes.items())
             self._message = f"accepted: mode {settings.mode}: {axes}"
+
+    @property
+    def axis_modes(self) -> AxisModes:
+        """Modes of surge, sway and yaw in force: off in an axis that the vessel has not."""
+        return self._axis_modes(self._settings)
+
+    @property
+    def vertical_modes(self) -> AxisModes | None:
+        """Modes of heave, roll and pitch in force, likewise; None for a vessel on the surface."""
+        return None if self._vertical is None else self._vertical.modes()
+
+    def _modes(self, settings: ControllerSettings) -> dict[str, AxisMode]:
+        """Return the mode of every axis that the operator has a say in."""
+        modes = dict(zip(AXES, self._axis_modes(settings), strict=True))
+        if self._vertical is not None:
+            modes |= dict(zip(VERTICAL, settings.vertical_modes, strict=True))
+            return {axis: mode for axis, mode in modes.items() if axis in self._vessel.degrees_of_freedom}
+        return modes
+
+    def _axis_modes(self, settings: ControllerSettings) -> AxisModes:
+        if self._vertical is None:
+            return settings.axis_modes
+        axes = self._vessel.degrees_of_freedom
+        a, b, c = (mode if axis in axes else "off" for axis, mode in zip(AXES, settings.axis_modes, strict=True))
+        return a, b, c
 
     def set_setpoint(self, position: ArrayLike) -> None:
         """Give a set point for the automatic axes.
 
-        Where no axis can follow it (none is automatic, or the vessel tracks a path), it waits until one can.
+        Where no axis can follow it (none is automatic, or the vessel tracks a path), it waits until one can. A path
+        does not lead depth, roll and pitch: they follow a set point in mode tracking too.
 
         Parameters
         ----------
         position
-            Shape (3,): north (m), east (m), heading (rad; reached by the shorter way from the reference heading).
+            Shape (3,): north (m), east (m), heading (rad; reached by the shorter way from the reference heading). Of a
+            submerged vehicle shape (6,): north, east, depth (m), roll, pitch, heading (rad).
 
         Raises
         ------
@@ -147,15 +186,21 @@ class Controller:
             If the shape is wrong or a number is not finite; the set point before stays.
         """
         with self._answering():
-            setpoint = _triple("set point", position)
+            setpoint, below = self._split("set point", position)
         self._guidance.set_setpoint(setpoint)
-        automatic = [axis for axis, mode in zip(AXES, self._settings.axis_modes, strict=True) if mode == "automatic"]
+        modes = self._modes(self._settings)
+        automatic = [axis for axis, mode in modes.items() if mode == "automatic"]
         text = f"accepted: set point {setpoint[0]:.3f} m, {setpoint[1]:.3f} m, {setpoint[2]:.4f} rad"
+        if below is not None and self._vertical is not None:
+            self._vertical.set_setpoint(below)
+            text += f", depth {below[0]:.3f} m, roll {below[1]:.4f} rad, pitch {below[2]:.4f} rad"
         if self._settings.mode == "tracking":
-            text += "; waits for the end of mode tracking"
+            follows = ", ".join(axis for axis in automatic if axis in VERTICAL)
+            text += f"; for {follows}; the rest waits" if follows else "; waits"
+            text += " for the end of mode tracking"
         elif not automatic:
             text += "; waits for an automatic axis"
-        elif len(automatic) < len(AXES):
+        elif len(automatic) < len(modes):
             text += f"; for {', '.join(automatic)} only"
         self._message = text
 
@@ -165,7 +210,8 @@ class Controller:
         Parameters
         ----------
         tau
-            Shape (3,): N, N, N m, body frame.
+            Shape (3,): N, N, N m, body frame. Of a submerged vehicle shape (6,): surge, sway, heave (N), roll, pitch,
+            yaw (N m).
         time
             When it was given, on the clock of the controller (s); now if None.
 
@@ -176,7 +222,7 @@ class Controller:
             ahead than the joystick timeout; the force before stays.
         """
         with self._answering():
-            force = _triple("joystick", tau)
+            force, below = self._split("joystick", tau)
             given = self.time if time is None else finite_number("joystick time", time)
             last, timeout = self._joystick.time, self._settings.joystick_timeout
             if last is not None and given < last:
@@ -188,6 +234,8 @@ class Controller:
                     f"found {given - self.time:.3f} s"
                 )
         self._joystick.set(force, given)
+        if below is not None and self._vertical is not None:
+            self._vertical.set_joystick(below, given)
         self._message = "accepted: joystick"
 
     def set_path(self, times: ArrayLike, positions: ArrayLike) -> None:
@@ -243,17 +291,20 @@ class Controller:
         position = _triple("position", inputs.position) if inputs.valid else ZERO
         velocity = _triple("velocity", inputs.velocity) if inputs.valid else ZERO
         achieved = None if inputs.tau_achieved is None else _triple("tau_achieved", inputs.tau_achieved)
+        below = _checked(inputs.vertical) if self._vertical is not None and inputs.valid else None
         settings = self._settings
         wind = _pair("wind", inputs.wind) if settings.wind_feedforward.enabled and inputs.wind is not None else None
         now = 0.0 if self._time is None else self._time + dt
         self._time = now
         elapsed = min(dt, self._gap_max)
-        modes = settings.axis_modes
+        modes = self._axis_modes(settings)
         automatic = _mask(modes, "automatic")
         manual = _mask(modes, "joystick")
         track = settings.mode == "tracking"
 
         if inputs.valid:
+            if self._vertical is not None:
+                self._use_setpoint_once(self._vertical, any(automatic))
             self._guidance.step(position, velocity, automatic, track, now, elapsed)
             error = self._guidance.error(position, automatic)
             proportional = self._pid.proportional(error)
@@ -281,10 +332,12 @@ class Controller:
         transfer = self._transfer(laws, raw, stick_is_fresh, dt)
         demand = (raw[0] + transfer[0], raw[1] + transfer[1], raw[2] + transfer[2])
         self._demand_unlimited = demand
-        self._demand = _limited(demand, settings.tau_max)
+        self._demand = limited(demand, settings.tau_max)
         self._laws = laws
         self._stick_was_stale = self._joystick.time is not None and not stick_is_fresh
 
+        vertical = None if self._vertical is None else self._vertical.step(below, now, dt, elapsed)
+        by_hand = any(manual) or (vertical is not None and "joystick" in vertical.axis_mode)
         generator = self._guidance.generator
         reference = generator.position
         # One flat tuple: an array of it costs a third of one of nested tuples.
@@ -308,7 +361,7 @@ class Controller:
             tau_desired=table[0],
             mode=settings.mode,
             axis_mode=modes,
-            status=self._status(inputs.valid, track, manual, stick_is_fresh, dt),
+            status=self._status(inputs.valid, track, by_hand, stick_is_fresh, dt),
             message=self._message,
             reference_position=table[1],
             reference_velocity=table[2],
@@ -319,7 +372,23 @@ class Controller:
             wind_feedforward=table[7],
             joystick=table[8],
             transfer=table[9],
+            vertical=vertical,
         )
+
+    def _use_setpoint_once(self, vertical: VerticalController, plane_follows: bool) -> None:
+        """Drop what a waiting set point has for axes that are all manual, once others follow it."""
+        below_follows = "automatic" in vertical.modes()
+        if plane_follows and not below_follows and self._settings.mode != "tracking":
+            vertical.drop_setpoint()
+        elif below_follows and not plane_follows:
+            self._guidance.drop_setpoint()
+
+    def _split(self, name: str, values: ArrayLike) -> tuple[Triple, Triple | None]:
+        """Return the numbers of the horizontal plane, and those of heave, roll and pitch of a submerged vehicle."""
+        if self._vertical is None:
+            return _triple(name, values), None
+        x, y, z, roll, pitch, yaw = finite_vector(name, values, 6).tolist()
+        return (x, y, yaw), (z, roll, pitch)
 
     def _staying(self, automatic: Mask) -> Mask:
         """Return which axes are automatic and were so in the sample before."""
@@ -377,13 +446,13 @@ class Controller:
         a, b, c = self._transfers
         return a.force, b.force, c.force
 
-    def _status(self, valid: bool, track: bool, manual: Mask, stick_is_fresh: bool, dt: float) -> str:
+    def _status(self, valid: bool, track: bool, by_hand: bool, stick_is_fresh: bool, dt: float) -> str:
         states = []
         if not valid:
             states.append(OBSERVER_INVALID)
         if dt > self._gap_max * (1.0 + 1e-9):
             states.append(ESTIMATE_LATE)
-        if not stick_is_fresh and any(manual):
+        if not stick_is_fresh and by_hand:
             states.append(JOYSTICK_STALE)
         if track and not self._guidance.has_path:
             states.append(PATH_MISSING)
@@ -395,13 +464,13 @@ class Controller:
         settings = self._settings
         proportional, integral, derivative = self._vessel_gains
         return (
-            _product(proportional, settings.proportional_scale),
-            _product(integral, settings.integral_scale),
-            _product(derivative, settings.derivative_scale),
+            product(proportional, settings.proportional_scale),
+            product(integral, settings.integral_scale),
+            product(derivative, settings.derivative_scale),
         )
 
     def _scaled_velocity(self) -> Triple:
-        return _product(self._velocity_max, self._settings.velocity_scale)
+        return product(self._velocity_max, self._settings.velocity_scale)
 
     @contextmanager
     def _answering(self) -> Iterator[None]:
@@ -423,13 +492,20 @@ def _triple(name: str, value: ArrayLike) -> Triple:
     return x, y, z
 
 
+def _checked(inputs: VerticalInputs | None) -> VerticalInputs:
+    """Return the estimate of depth, roll and pitch, checked. Raises InputError."""
+    if inputs is None:
+        raise InputError("depth, roll and pitch: expected an estimate for a submerged vehicle, found none")
+    return VerticalInputs(
+        finite_vector("depth, roll and pitch", inputs.position, 3),
+        finite_vector("velocity of heave, roll and pitch", inputs.velocity, 3),
+        None if inputs.achieved is None else finite_vector("tau_achieved of heave, roll, pitch", inputs.achieved, 3),
+    )
+
+
 def _pair(name: str, value: ArrayLike) -> tuple[float, float]:
     x, y = finite_vector(name, value, 2).tolist()
     return x, y
-
-
-def _product(a: Triple, b: Triple) -> Triple:
-    return a[0] * b[0], a[1] * b[1], a[2] * b[2]
 
 
 def _mask(modes: tuple[AxisMode, AxisMode, AxisMode], mode: AxisMode) -> Mask:
@@ -443,12 +519,3 @@ def _law(mode: AxisMode, valid: bool, follows: bool) -> str:
     if not valid:
         return "hold"
     return "error_feedback" if follows else "vessel_feedback"
-
-
-def _limited(demand: Triple, limits: Triple) -> Triple:
-    """Return ``demand`` within ``limits``; a limit of 0 is none."""
-    x, y, n = (
-        math.copysign(limit, value) if 0.0 < limit < abs(value) else value
-        for value, limit in zip(demand, limits, strict=True)
-    )
-    return x, y, n

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from array import array
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -17,6 +19,7 @@ from dp_controller.node_health import Tally, health_of
 from dp_controller.settings import ControllerSettings, check_settings
 from dp_controller.signals import ControllerInputs, ControllerOutput
 from dp_controller.timed_path import TimedPath
+from dp_controller.vertical import VerticalInputs
 from dp_node import (
     AnswerGate,
     Health,
@@ -30,7 +33,7 @@ from dp_node import (
     to_nanoseconds,
 )
 from marine_model.errors import InputError
-from marine_model.frames import BODY_FRAME, MAP_FRAME, quaternion_to_heading
+from marine_model.frames import BODY_FRAME, MAP_FRAME, quaternion_to_attitude, quaternion_to_heading
 from marine_model.guards import FloatArray, finite_vector
 from marine_model.vessel import Vessel
 
@@ -53,7 +56,8 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._operator_stamps: dict[str, int] = {}
         self._acted: int | None = None
         self._began: int | None = None  # stamp of the first estimate
-        self._achieved: tuple[int | None, FloatArray] = (None, _NOTHING)
+        self._nothing: FloatArray = np.zeros(6) if self.vessel.is_submerged else _NOTHING
+        self._achieved: tuple[int | None, FloatArray] = (None, self._nothing)
         self._early_path: Any = None
         self._output: ControllerOutput | None = None
         self._tally = Tally()
@@ -64,10 +68,10 @@ class ControllerNode(RingNode[ControllerSettings]):
 
     def default_settings(self, vessel: Vessel) -> ControllerSettings:
         """Return the core's settings: gains are the vessel's, scaled by one."""
-        return ControllerSettings()
+        return ControllerSettings.for_vessel(vessel)
 
     def check(self, settings: ControllerSettings) -> None:
-        """Refuse feed-forward of a wind that does not blow on this vessel."""
+        """Refuse feed-forward of a wind that does not blow on this vessel, and axes that it does not control."""
         check_settings(settings, self.vessel)
 
     def build(self) -> None:
@@ -112,13 +116,16 @@ class ControllerNode(RingNode[ControllerSettings]):
         # An invalid observer says so with a negative variance; its numbers are not looked at.
         valid = not message.pose.covariance[0] < 0.0
         position = velocity = _NOTHING
+        below: VerticalInputs | None = None
         if valid:
             position = _pose("odometry", message.pose.pose)
             twist = message.twist.twist
             velocity = finite_vector("odometry twist", (twist.linear.x, twist.linear.y, twist.angular.z), 3)
+            if self.vessel.is_submerged:
+                below = _below("odometry", message.pose.pose, twist)
         stamp = to_nanoseconds(message.header.stamp)
         dt = self._stamps.step(message.header.stamp, self.vessel.measurement.sample_time)
-        act = partial(self._act, stamp, dt, position, velocity, valid)
+        act = partial(self._act, stamp, dt, position, velocity, valid, below)
         # In lockstep what was measured is the same in every run, so that the estimate waits for it.
         if self.synchronous and self._room.missing(stamp, self._needed()):
             if self._room.holds:
@@ -156,12 +163,24 @@ class ControllerNode(RingNode[ControllerSettings]):
         stamp = to_nanoseconds(message.header.stamp)
         try:
             _require_frame("tau_achieved", message.header.frame_id, BODY_FRAME)
-            self._achieved = (stamp, _wrench("tau_achieved", message.wrench))
+            self._achieved = (stamp, self._force("tau_achieved", message.wrench))
         finally:
             # Refused or not, the allocator has answered: the next sample must not wait for ever.
             self._gate.answer(stamp)
 
-    def _act(self, stamp: int, dt: float, position: FloatArray, velocity: FloatArray, valid: bool) -> None:
+    def _force(self, what: str, wrench: Any) -> FloatArray:
+        """Return surge, sway and yaw of a wrench; all six of a submerged vehicle's."""
+        return _wrench6(what, wrench) if self.vessel.is_submerged else _wrench(what, wrench)
+
+    def _act(
+        self,
+        stamp: int,
+        dt: float,
+        position: FloatArray,
+        velocity: FloatArray,
+        valid: bool,
+        below: VerticalInputs | None,
+    ) -> None:
         answered, achieved = self._achieved
         if self._acted is None and self._early_path is not None:
             self._core.set_path(*_timed_poses(self._early_path, stamp, 0.0))
@@ -171,15 +190,20 @@ class ControllerNode(RingNode[ControllerSettings]):
         if self._began is None:
             self._began = stamp
         if stamp - (self._began if answered is None else answered) > self.vessel.drivers.command_timeout * 1e9:
-            tau_achieved = _NOTHING  # no allocator for so long: the drivers have stopped the thrusters
+            tau_achieved = self._nothing  # no allocator for so long: the drivers have stopped the thrusters
+        if below is not None and tau_achieved is not None:
+            below = replace(below, achieved=tau_achieved[2:5])
+        if tau_achieved is not None and len(tau_achieved) == 6:
+            tau_achieved = tau_achieved[_PLANE]
         # The newest up to the estimate's own stamp; what has been used grows old in the core.
         wind = self._wind.take(stamp + 1)
         measured = None if wind is None else wind[1]
-        output = self._core.step(ControllerInputs(position, velocity, tau_achieved, valid, measured), dt)
+        output = self._core.step(ControllerInputs(position, velocity, tau_achieved, valid, measured, below), dt)
         self._output, self._acted = output, stamp
         before = self._tally.status
         surge, sway, yaw = output.error.tolist()
-        self._tally.acted(output.status, (surge, sway, yaw))
+        below_error = None if output.vertical is None else output.vertical.error.tolist()
+        self._tally.acted(output.status, (surge, sway, yaw), below_error)
         if output.status != before:
             if output.status == NOMINAL:
                 self.get_logger().info("status: nominal")
@@ -220,12 +244,16 @@ class ControllerNode(RingNode[ControllerSettings]):
 
     def _set_setpoint(self, message: Any, stamp: int) -> None:
         self._stamps.check_ahead("set point", stamp)
-        self._core.set_setpoint(_pose("set point", message.pose))
+        pose = _pose("set point", message.pose)
+        if self.vessel.is_submerged:
+            depth, roll, pitch = _tilt("set point", message.pose)
+            pose = np.array((pose[0], pose[1], depth, roll, pitch, pose[2]))
+        self._core.set_setpoint(pose)
         self._setpoint_stamp = stamp
 
     def _set_joystick(self, message: Any, stamp: int) -> None:
         time = None if self._acted is None else self._core.time + seconds_between(self._acted, stamp)
-        self._core.set_joystick(_wrench("joystick", message.wrench), time)
+        self._core.set_joystick(self._force("joystick", message.wrench), time)
         self._joystick_stamp = stamp
 
     def _set_path(self, message: Any, stamp: int) -> None:
@@ -250,7 +278,10 @@ class ControllerNode(RingNode[ControllerSettings]):
         message = WrenchStamped()
         message.header.stamp = from_nanoseconds(stamp)
         message.header.frame_id = BODY_FRAME
-        message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = output.tau_desired.tolist()
+        force, torque = message.wrench.force, message.wrench.torque
+        force.x, force.y, torque.z = output.tau_desired.tolist()
+        if output.vertical is not None:
+            force.z, torque.x, torque.y = output.vertical.tau_desired.tolist()
         self._demands.publish(message)
 
     def _answer(self, stamp: int) -> None:
@@ -264,7 +295,7 @@ class ControllerNode(RingNode[ControllerSettings]):
         message.header.stamp = from_nanoseconds(stamp)
         message.header.frame_id = BODY_FRAME
         message.mode = settings.mode
-        message.axis_mode = list(settings.axis_modes)
+        message.axis_mode = list(self._core.axis_modes)
         message.status = self._tally.status
         message.message = self._core.message
         message.setpoint_stamp = from_nanoseconds(self._setpoint_stamp)
@@ -279,12 +310,22 @@ class ControllerNode(RingNode[ControllerSettings]):
             message.wind_feedforward = output.wind_feedforward
             message.joystick = output.joystick
             message.transfer = output.transfer
+        modes = self._core.vertical_modes
+        if modes is not None:
+            message.vertical_axis_mode = list(modes)
+            below = None if output is None else output.vertical
+            for name in _BELOW:
+                values = _NOTHING if below is None else getattr(below, name)
+                setattr(message, f"vertical_{name}", array("d", values.tobytes()))
         self._statuses.publish(message)
 
 
 _WIND = "wind"
 _NOTHING: FloatArray = np.zeros(3)
 _NOTHING.setflags(write=False)
+_PLANE = [0, 1, 5]  # surge, sway, yaw among six
+# Fields of VerticalOutput that a status carries.
+_BELOW = ("reference", "error", "proportional", "integral", "derivative", "joystick", "transfer")
 
 
 def _require_frame(what: str, found: str, expected: str) -> None:
@@ -303,6 +344,26 @@ def _pose(what: str, pose: Any) -> FloatArray:
     except InputError as error:
         raise InputError(f"{what} {error}") from error
     return np.array((*plane, heading))
+
+
+def _tilt(what: str, pose: Any) -> tuple[float, float, float]:
+    """Return depth, roll and pitch of a geometry_msgs/Pose whose quaternion is checked."""
+    orientation = pose.orientation
+    roll, pitch, _ = quaternion_to_attitude(orientation.x, orientation.y, orientation.z, orientation.w)
+    depth, roll, pitch = finite_vector(what, (pose.position.z, roll, pitch), 3).tolist()
+    return depth, roll, pitch
+
+
+def _below(what: str, pose: Any, twist: Any) -> VerticalInputs:
+    """Return depth, roll and pitch and their rates."""
+    rates = (twist.linear.z, twist.angular.x, twist.angular.y)
+    return VerticalInputs(np.array(_tilt(what, pose)), finite_vector(f"{what} twist", rates, 3))
+
+
+def _wrench6(what: str, wrench: Any) -> FloatArray:
+    """Return all six elements of a geometry_msgs/Wrench."""
+    force, torque = wrench.force, wrench.torque
+    return finite_vector(what, (force.x, force.y, force.z, torque.x, torque.y, torque.z), 6)
 
 
 def _wrench(what: str, wrench: Any) -> FloatArray:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field
 
 from marine_model import Vessel
+from marine_model.axes import HORIZONTAL, VERTICAL
 from marine_model.errors import InputError
 from marine_model.schema import NonNegativeVector3
 from marine_model.settings import Settings, setting
@@ -36,6 +37,34 @@ class WindFeedforwardSettings(Settings):
     )
     timeout: float = setting(
         2.0, "Time without a measured wind after which the integral takes the feed-forward over", unit="s", ge=0.0
+    )
+
+
+class VerticalSettings(Settings):
+    """Heave, roll and pitch of submerged vehicles; without a meaning on the surface. Vectors are heave, roll, pitch."""
+
+    axis_heave: AxisMode = setting("off", "Heave in mode semi_automatic; off without that degree of freedom")
+    axis_roll: AxisMode = setting("off", "Roll in mode semi_automatic; off without that degree of freedom")
+    axis_pitch: AxisMode = setting("off", "Pitch in mode semi_automatic; off without that degree of freedom")
+    proportional_scale: _Scale3 = setting(
+        _ONES, "Factor on the vehicle's proportional gain in heave, roll, pitch, 0 to 10", unit="1"
+    )
+    integral_scale: _Scale3 = setting(
+        _ONES, "Factor on the vehicle's integral gain in heave, roll, pitch, 0 to 10", unit="1"
+    )
+    derivative_scale: _Scale3 = setting(
+        _ONES, "Factor on the vehicle's derivative gain in heave, roll, pitch, 0 to 10", unit="1"
+    )
+    velocity_scale: _SpeedFraction3 = setting(
+        _ONES,
+        "Part of the vehicle's velocity limit that the reference may use in heave, roll, pitch, 0.01 to 1",
+        unit="1",
+    )
+    tau_max: NonNegativeVector3 = setting(
+        (0.0, 0.0, 0.0), "Largest demand in heave, roll, pitch; 0 for no limit", unit="N, N m, N m"
+    )
+    depth_alarm: float = setting(
+        0.0, "Distance from the reference depth beyond which an alarm is raised; 0 for never", unit="m", ge=0.0
     )
 
 
@@ -83,12 +112,30 @@ class ControllerSettings(Settings):
     )
 
     wind_feedforward: WindFeedforwardSettings = WindFeedforwardSettings()
+    vertical: VerticalSettings = VerticalSettings()
+
+    @classmethod
+    def for_vessel(cls, vessel: Vessel, **overrides: Any) -> Self:
+        """Return settings that fit the degrees of freedom of ``vessel``."""
+        if not vessel.is_submerged:
+            return cls(**overrides)
+        axes = vessel.degrees_of_freedom
+        values: dict[str, Any] = {f"axis_{axis}": "off" for axis in HORIZONTAL if axis not in axes}
+        automatic: dict[str, Any] = {f"axis_{axis}": "automatic" for axis in VERTICAL if axis in axes}
+        return cls(**(values | {"vertical": VerticalSettings(**automatic)} | overrides))
 
     @property
     def axis_modes(self) -> AxisModes:
         """Modes of surge, sway and yaw."""
         if self.mode == "semi_automatic":
             return self.axis_surge, self.axis_sway, self.axis_yaw
+        return _AXIS_MODES[self.mode]
+
+    @property
+    def vertical_modes(self) -> AxisModes:
+        """Modes of heave, roll and pitch, where the vehicle has them."""
+        if self.mode == "semi_automatic":
+            return self.vertical.axis_heave, self.vertical.axis_roll, self.vertical.axis_pitch
         return _AXIS_MODES[self.mode]
 
 
@@ -106,8 +153,17 @@ def check_settings(settings: ControllerSettings, vessel: Vessel) -> None:
     Raises
     ------
     InputError
-        If feed-forward is enabled and nobody knows what the wind does to the vessel.
+        If feed-forward is enabled and nobody knows what the wind does to the vessel, or an axis is to be controlled
+        that the vessel has not.
     """
+    asked = {
+        **{f"axis_{axis}": getattr(settings, f"axis_{axis}") for axis in HORIZONTAL},
+        **{f"vertical.axis_{axis}": getattr(settings.vertical, f"axis_{axis}") for axis in VERTICAL},
+    }
+    for name, mode in asked.items():
+        if mode != "off" and name.rpartition("_")[2] not in vessel.degrees_of_freedom:
+            has = ", ".join(vessel.degrees_of_freedom)
+            raise InputError(f"{name}: expected off, because vessel '{vessel.name}' controls {has}, found {mode}")
     if settings.wind_feedforward.enabled and vessel.wind_forces is None:
         raise InputError(
             f"wind_feedforward.enabled: expected false, because vessel '{vessel.name}' has no section wind_forces, "

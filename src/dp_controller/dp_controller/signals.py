@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from dp_controller.settings import AxisModes, Mode
+from dp_controller.vertical import VerticalInputs, VerticalOutput
 from marine_model.guards import FloatArray
 
 
@@ -26,6 +27,8 @@ class ControllerInputs:
         since the last step; None if there is no new measurement. Not looked at unless feed-forward is enabled.
     valid
         False if the observer has lost the vessel; position and velocity are not looked at then.
+    vertical
+        Depth, roll and pitch of a submerged vehicle; None for a vessel on the surface.
     """
 
     position: FloatArray
@@ -33,6 +36,7 @@ class ControllerInputs:
     tau_achieved: FloatArray | None = None
     valid: bool = True
     wind: FloatArray | None = None
+    vertical: VerticalInputs | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +64,8 @@ class ControllerOutput:
         Shape (3,): reference minus estimate, body frame of the vessel (m, m, rad); zero in a manual axis.
     proportional, integral, derivative, wind_feedforward, joystick, transfer
         Parts of the demand.
+    vertical
+        Heave, roll and pitch of a submerged vehicle; None for a vessel on the surface.
     """
 
     tau_desired: FloatArray
@@ -76,3 +82,4 @@ class ControllerOutput:
     wind_feedforward: FloatArray
     joystick: FloatArray
     transfer: FloatArray
+    vertical: VerticalOutput | None = None

@@ -201,6 +201,11 @@ ALARMS = _table(
         "heading error above heading_alarm",
         "See the margin of the thrusters; give a heading that can be held.",
     ),
+    _warn(
+        "CONTROLLER-DEPTH-ERROR",
+        "depth error above vertical.depth_alarm",
+        "See the margin of the vertical thrusters, and the ballast; give a depth that can be held.",
+    ),
     # Allocator
     _warn("ALLOCATOR-NO-DEMAND", "no tau_desired: no thruster_command", "See whether the controller runs."),
     _warn(
@@ -306,6 +311,21 @@ ALARMS = _table(
         "DRIVERS-SENSOR-LOST",
         "thruster_feedback is not finite: that thruster runs open loop",
         "Disable the thruster in the allocator and repair its sensor.",
+    ),
+    _warn(
+        "DRIVERS-SPEED-LOST",
+        "odometry is missing or stale: codes are those of the vessel at rest",
+        "See whether the observer runs; or set code_map.compensated to false.",
+    ),
+    _warn(
+        "DRIVERS-SPEED-CLAMPED",
+        "the surge speed is outside the tables of a drive and is clamped",
+        "Sail at a speed that the tables cover.",
+    ),
+    _warn(
+        "DRIVERS-WAITS",
+        "thruster_feedback waits for an input",
+        "See whether the observer runs, and publishes odometry to the drivers.",
     ),
     _warn(
         "DRIVERS-VENTILATION",

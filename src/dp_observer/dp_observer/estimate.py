@@ -31,10 +31,44 @@ class ObserverInputs:
         None if there is no fix.
     tau
         Generalized force (N, N, N m), shape (3,), in the body frame, that acted since the last step.
+    vertical
+        Of a submerged vehicle: measured depth (m), roll, pitch (rad), shape (3,); None if there is no fix.
+    vertical_tau
+        Of a submerged vehicle: force along heave (N), moments about roll and pitch (N m), shape (3,), that acted since
+        the last step; None for none.
     """
 
     position: FloatArray | None
     tau: FloatArray
+    vertical: FloatArray | None = None
+    vertical_tau: FloatArray | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class VerticalEstimate:
+    """Estimate of depth, roll and pitch; every array has shape (3,).
+
+    Attributes
+    ----------
+    position
+        Depth (m), roll, pitch (rad, in [-pi, pi)).
+    velocity
+        Their rates, m/s, rad/s.
+    bias
+        Force along heave, moments about roll and pitch that the model does not know (N, N m, N m).
+    innovation
+        Fix minus the position predicted for it (m, rad, rad); zero without a fix.
+    valid, status, time_since_measurement
+        As in :class:`ObserverEstimate`, of these axes alone.
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    bias: FloatArray
+    innovation: FloatArray
+    valid: bool
+    status: ObserverStatus
+    time_since_measurement: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +93,9 @@ class ObserverEstimate:
         How this estimate came about.
     time_since_measurement
         Age (s) of the last fix used, or time since the first step if there was none.
+    vertical
+        Depth, roll and pitch of a submerged vehicle; None for a vessel on the surface. ``valid``, ``status`` and
+        ``time_since_measurement`` are then the worse of both.
     """
 
     position: FloatArray
@@ -69,3 +106,4 @@ class ObserverEstimate:
     valid: bool
     status: ObserverStatus
     time_since_measurement: float
+    vertical: VerticalEstimate | None = None

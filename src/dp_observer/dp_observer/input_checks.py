@@ -25,6 +25,16 @@ def checked_tau(value: ArrayLike) -> FloatArray:
     return _bounded("tau", value, _LARGEST_FORCE)
 
 
+def checked_place(value: ArrayLike) -> FloatArray:
+    """Return a fix [depth (m), roll (rad), pitch (rad)], shape (3,). Raises InputError."""
+    return _bounded("depth, roll and pitch", value, _LARGEST_POSITION)
+
+
+def checked_vertical_tau(value: ArrayLike) -> FloatArray:
+    """Return a force along heave (N) and moments about roll and pitch (N m), shape (3,). Raises InputError."""
+    return _bounded("tau of heave, roll and pitch", value, _LARGEST_FORCE)
+
+
 def checked_step(value: float) -> float:
     """Return a time step (s). Raises InputError."""
     dt = positive_number("dt", value)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dp_observer.estimate import ObserverEstimate, ObserverInputs
 from dp_observer.observer import Observer
-from marine_model.guards import FloatArray
 
 
 class Lookahead:
@@ -44,14 +43,17 @@ class Lookahead:
         self._observer, self._stamp, self._ahead = observer, stamp, None
         return estimate
 
-    def run_ahead(self, tau: FloatArray) -> tuple[ObserverEstimate, int] | None:
-        """Return the estimate one sample on from the newest, without a fix, and its stamp; None before any message."""
+    def run_ahead(self, inputs: ObserverInputs) -> tuple[ObserverEstimate, int] | None:
+        """Return the estimate one sample on from the newest, and its stamp; None before any message.
+
+        ``inputs`` has no fix.
+        """
         if self._stamp is None:
             return None
         if self._ahead is None:
             self._ahead, self._ahead_stamp = self._observer.fork(), self._stamp
         self._ahead_stamp += self._sample
-        return self._ahead.step(ObserverInputs(None, tau), self._sample * 1e-9), self._ahead_stamp
+        return self._ahead.step(inputs, self._sample * 1e-9), self._ahead_stamp
 
     def observers(self) -> list[Observer]:
         """Return all observers at work, for new settings."""

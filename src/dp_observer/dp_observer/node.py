@@ -15,7 +15,16 @@ from dp_observer.estimate import ObserverEstimate, ObserverInputs, ObserverStatu
 from dp_observer.frozen_fix import FrozenFix
 from dp_observer.lookahead import Lookahead
 from dp_observer.node_health import Tally, health_of, status_alarm, status_text
-from dp_observer.node_messages import is_fix, require_frame, to_odometry, to_position, to_state, to_tau
+from dp_observer.node_messages import (
+    is_fix,
+    require_frame,
+    to_odometry,
+    to_position,
+    to_state,
+    to_tau,
+    to_vertical,
+    to_vertical_tau,
+)
 from dp_observer.observer import Observer
 from dp_observer.settings import ObserverSettings
 from marine_model.errors import InputError
@@ -71,6 +80,7 @@ class ObserverNode(RingNode[ObserverSettings]):
         self._pose_stamps = StampSequence("pose", self._sample * 1e-9)
         self._tau_stamps = StampSequence("tau_achieved", self._sample * 1e-9)
         self._tau: FloatArray = np.zeros(3)
+        self._vertical_tau: FloatArray | None = None  # of a submerged vehicle
         self._due = 0  # ns of the node's clock: when the watchdog acts
         self._tally = Tally()
         self._frozen = FrozenFix(self.vessel)
@@ -79,8 +89,9 @@ class ObserverNode(RingNode[ObserverSettings]):
     def _on_tau(self, message: Any) -> None:
         require_frame("tau_achieved", BODY_FRAME, message.header.frame_id)
         tau = to_tau(message)
+        below = to_vertical_tau(message) if self.vessel.is_submerged else None
         self._tau_stamps.follow(message.header.stamp)  # whether time began anew is for the poses to say
-        self._tau = tau
+        self._tau, self._vertical_tau = tau, below
         self._gate.answer(to_nanoseconds(message.header.stamp))
 
     def _on_pose(self, message: Any) -> None:
@@ -96,11 +107,15 @@ class ObserverNode(RingNode[ObserverSettings]):
         last = self._tau_stamps.last
         self._tally.force_age = seconds_between(self._first_pose if last is None else last, stamp)
         position: FloatArray | None = None
+        below: FloatArray | None = None
         if is_fix(message):
             try:
                 position = to_position(message)
+                if self.vessel.is_submerged:
+                    below = to_vertical(message)
             except InputError as error:
                 # The sample counts all the same: who waits for its odometry gets one.
+                position = None
                 self.refuse(f"pose: {error}")
         if position is None:
             self._tally.without_fix += 1
@@ -109,7 +124,7 @@ class ObserverNode(RingNode[ObserverSettings]):
             self._tally.equal_fixes = self._frozen.count
             self._tally.frozen = self._frozen.is_frozen(self.settings)
         newest = self._lookahead.stamp
-        estimate = self._lookahead.measure(ObserverInputs(position, self._tau_at(stamp)), stamp)
+        estimate = self._lookahead.measure(self._inputs(position, below, stamp), stamp)
         self._due = self._now() + round(_PATIENCE * self._sample)
         if estimate.status is ObserverStatus.OUTLIER_REFUSED:
             self._tally.outliers += 1
@@ -129,7 +144,7 @@ class ObserverNode(RingNode[ObserverSettings]):
         while now >= self._due:
             self._due += self._sample
             newest = self._lookahead.stamp
-            ahead = self._lookahead.run_ahead(self._tau_at(newest or 0))
+            ahead = self._lookahead.run_ahead(self._inputs(None, None, newest or 0))
             if ahead is None:
                 return
             self._tally.ahead += 1
@@ -137,12 +152,12 @@ class ObserverNode(RingNode[ObserverSettings]):
             if now - self._due > self._sample * _LOOKS_PER_SAMPLE:
                 self._due = now + self._sample  # the process was asleep: do not catch up on it sample by sample
 
-    def _tau_at(self, stamp: int) -> FloatArray:
-        """Return the force achieved last; none once it is so old that the drivers have stopped the thrusters."""
+    def _inputs(self, position: FloatArray | None, below: FloatArray | None, stamp: int) -> ObserverInputs:
+        """Return a fix with the force achieved last: none once the drivers have stopped the thrusters, it is so old."""
         last = self._tau_stamps.last
         if last is None or stamp - last > self.vessel.drivers.command_timeout * 1e9:
-            return np.zeros(3)
-        return self._tau
+            return ObserverInputs(position, np.zeros(3), below)
+        return ObserverInputs(position, self._tau, below, self._vertical_tau)
 
     def _publish(self, estimate: ObserverEstimate, stamp: int) -> None:
         self._odometry.publish(to_odometry(estimate, stamp))

@@ -5,15 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from dp_node import Alarm, Health, health_with, raised
+from dp_observer.alarm_codes import BY_STATUS, FIX_FROZEN, MEASUREMENTS_LOST, codes_of
 from dp_observer.estimate import ObserverStatus
 
-_CODES = {
-    ObserverStatus.UNINITIALISED: "OBSERVER-NO-FIX-YET",
-    ObserverStatus.DEAD_RECKONING: "OBSERVER-DEAD-RECKONING",
-    ObserverStatus.OUTLIER_REFUSED: "OBSERVER-FIX-REFUSED",
-    ObserverStatus.INVALID: "OBSERVER-ESTIMATE-INVALID",
-    ObserverStatus.REINITIALISED: "OBSERVER-REINITIALISED",
-}
 _CALM = {ObserverStatus.INITIALISED: "first position fix"}
 
 
@@ -72,7 +66,7 @@ class Tally:
 
 def status_alarm(status: ObserverStatus) -> Alarm | None:
     """Return the alarm that a status means; None if it means none."""
-    return raised(_CODES[status]) if status in _CODES else None
+    return raised(BY_STATUS[status]) if status in BY_STATUS else None
 
 
 def status_text(status: ObserverStatus) -> str:
@@ -104,20 +98,14 @@ def health_of(tally: Tally, force_limit: float) -> Health:
         "tau_achieved_age_s": tally.force_age,
     }
     poses, without_fix, outliers, late, ahead = tally.fresh()
-    alarms: list[Alarm] = []
-    own = status_alarm(tally.status)
-    if own is not None:
-        alarms.append(own)
-    if tally.reinitialised and tally.status is not ObserverStatus.REINITIALISED:
-        alarms.append(raised("OBSERVER-REINITIALISED"))
-    if not poses:
-        alarms.append(raised("OBSERVER-NO-POSE"))
-    elif without_fix or outliers or late or ahead:
-        counts = {"without fix": without_fix, "refused as outliers": outliers, "late": late, "made up for": ahead}
-        told = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
-        alarms.append(raised("OBSERVER-MEASUREMENTS-LOST", f"{told}, beside {poses} poses"))
-    if poses and tally.frozen:
-        alarms.append(raised("OBSERVER-FIX-FROZEN", f"{tally.equal_fixes} times the same"))
+    missing = {"without fix": without_fix, "refused as outliers": outliers, "late": late, "made up for": ahead}
+    told = ", ".join(f"{count} {what}" for what, count in missing.items() if count)
+    details = {
+        MEASUREMENTS_LOST: f"{told}, beside {poses} poses",
+        FIX_FROZEN: f"{tally.equal_fixes} times the same",
+    }
+    codes = codes_of(tally.status, tally.reinitialised, poses, sum(missing.values()), tally.frozen)
+    alarms = [raised(code, details.get(code, "")) for code in codes]
     if poses and tally.force_age > force_limit:
         alarms.append(raised("OBSERVER-NO-TAU-ACHIEVED", f"for {tally.force_age:.1f} s"))
     return health_with(alarms, values, _CALM.get(tally.status, "nominal"))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 
 import numpy as np
 
-from dp_observer.estimate import ObserverEstimate, ObserverInputs, ObserverStatus
-from dp_observer.input_checks import checked_position, checked_step, checked_tau
+from dp_observer.estimate import ObserverEstimate, ObserverInputs, ObserverStatus, VerticalEstimate
+from dp_observer.input_checks import checked_place, checked_position, checked_step, checked_tau, checked_vertical_tau
 from dp_observer.measurement_gate import MeasurementGate, Verdict
 from dp_observer.model import (
     BIAS,
@@ -20,14 +21,22 @@ from dp_observer.model import (
     ObserverModel,
 )
 from dp_observer.settings import ObserverSettings
+from dp_observer.timing import LATE, is_too_old, longest_prediction
+from dp_observer.vertical import VerticalObserver
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 
-_ROUNDING = 1.0e-9  # s, of ages added up from steps
-
-# A step longer than this many samples has missed one: the measurement says nothing about the time before.
-_LATE = 1.5
+# Of two groups of axes, the one that comes first here has more to tell.
+_GRAVITY = (
+    ObserverStatus.UNINITIALISED,
+    ObserverStatus.INVALID,
+    ObserverStatus.REINITIALISED,
+    ObserverStatus.OUTLIER_REFUSED,
+    ObserverStatus.INITIALISED,
+    ObserverStatus.DEAD_RECKONING,
+    ObserverStatus.NOMINAL,
+)
 
 
 class Observer:
@@ -59,6 +68,9 @@ class Observer:
         self._initialised = False
         self._last_fix: FloatArray | None = None  # of the last step, if it was used
         self._age = 0.0  # s since the last fix used
+        self._vertical: VerticalObserver | None = None
+        if vessel.vertical is not None:
+            self._vertical = VerticalObserver(vessel.vertical.observer, vessel.hull.length, self._sample_time)
 
     @property
     def settings(self) -> ObserverSettings:
@@ -73,6 +85,8 @@ class Observer:
         """Return an observer in the same state that goes its own way, e.g. to look ahead."""
         twin = copy.copy(self)
         twin._gate = copy.copy(self._gate)
+        if self._vertical is not None:
+            twin._vertical = self._vertical.fork()
         return twin
 
     def step(self, inputs: ObserverInputs, dt: float) -> ObserverEstimate:
@@ -86,9 +100,17 @@ class Observer:
         """
         dt = checked_step(dt)
         tau = checked_tau(inputs.tau)
-        if inputs.position is None:
-            return self._dead_reckon(tau, dt)
-        return self._measure(checked_position(inputs.position), tau, dt)
+        position = None if inputs.position is None else checked_position(inputs.position)
+        if self._vertical is None:
+            return self._step(position, tau, dt)
+        place = None if inputs.vertical is None else checked_place(inputs.vertical)
+        force = None if inputs.vertical_tau is None else checked_vertical_tau(inputs.vertical_tau)
+        plane = self._step(position, tau, dt)
+        return _joined(plane, self._vertical.step(place, force, dt, self._settings))
+
+    def _step(self, fix: FloatArray | None, tau: FloatArray, dt: float) -> ObserverEstimate:
+        """Advance the horizontal plane."""
+        return self._dead_reckon(tau, dt) if fix is None else self._measure(fix, tau, dt)
 
     def _dead_reckon(self, tau: FloatArray, dt: float) -> ObserverEstimate:
         self._age += dt
@@ -104,7 +126,7 @@ class Observer:
             return self._restart(fix, np.zeros(3), ObserverStatus.INITIALISED)
         self._age += dt
         start, last_fix = self._state, self._last_fix
-        if dt > _LATE * self._sample_time:
+        if dt > LATE * self._sample_time:
             gap = dt - self._sample_time
             start = self._predicted(start, tau, min(gap, self._longest_prediction()))
             last_fix, dt = None, self._sample_time
@@ -177,11 +199,10 @@ class Observer:
         return self._model.correction_flow.advance(self._model.correction, start, force, ramp, dt)
 
     def _too_long(self, age: float) -> bool:
-        return age > self._settings.dead_reckoning_limit + _ROUNDING
+        return is_too_old(age, self._settings)
 
     def _longest_prediction(self) -> float:
-        """A longer gap ends in an invalid estimate all the same: bound the work (s)."""
-        return max(self._settings.dead_reckoning_limit, self._sample_time)
+        return longest_prediction(self._settings, self._sample_time)
 
     def _estimate(self, status: ObserverStatus, innovation: FloatArray | None = None) -> ObserverEstimate:
         state = self._state
@@ -199,3 +220,14 @@ class Observer:
             status=status,
             time_since_measurement=self._age,
         )
+
+
+def _joined(plane: ObserverEstimate, below: VerticalEstimate) -> ObserverEstimate:
+    """Return one estimate of all axes: valid if both are, and as old as the older."""
+    return replace(
+        plane,
+        valid=plane.valid and below.valid,
+        status=min(plane.status, below.status, key=_GRAVITY.index),
+        time_since_measurement=max(plane.time_since_measurement, below.time_since_measurement),
+        vertical=below,
+    )

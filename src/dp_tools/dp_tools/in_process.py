@@ -21,20 +21,22 @@ from typing import Any, TypeVar
 import numpy as np
 
 from dp_controller import Controller, ControllerInputs, ControllerSettings
+from dp_controller.vertical import VerticalInputs, VerticalOutput
 from dp_observer import Observer, ObserverEstimate, ObserverInputs, ObserverSettings
+from dp_observer.estimate import VerticalEstimate
 from dp_tools.node_settings import ALLOCATOR, CONTROLLER, DRIVERS, OBSERVER, SIMULATOR
+from dp_tools.planes import PLANE, as_sent, joined, split
 from dp_tools.run_data import PROPULSION_TRUTH, RunData, RunInfo
 from dp_tools.run_log import RunLog
 from dp_tools.scenario import Event, Scenario
 from dp_tools.versions import versions
 from marine_model import Vessel
 from marine_model.errors import InputError
-from marine_model.frames import heading_to_quaternion, quaternion_to_heading
 from marine_model.guards import FloatArray
 from marine_model.settings import Settings, with_parameters
 from thrust_allocator import Allocator, AllocatorSettings
 from thruster_drivers import DriverInputs, Drivers, DriverSettings
-from vessel_sim import Simulator, SimulatorInputs, SimulatorSettings
+from vessel_sim import SimulatorInputs, SimulatorSettings, SimulatorTruth, make_simulator
 
 S = TypeVar("S", bound=Settings)
 
@@ -48,6 +50,7 @@ _AT_FEEDBACK = frozenset(
         "torque_setpoint",
         "azimuth_rate_setpoint",
         "pitch_ratio_setpoint",
+        "code",
         "ventilating",
         "beta_q",
         "beta_q2",
@@ -77,7 +80,7 @@ class ClosedLoop:
         self._vessel = vessel
         self._scenario = scenario
         self._settings = scenario.settings(vessel)
-        self._simulator = Simulator(vessel, self._of(SIMULATOR, SimulatorSettings))
+        self._simulator = make_simulator(vessel, self._of(SIMULATOR, SimulatorSettings))
         self._observer = Observer(vessel, self._of(OBSERVER, ObserverSettings))
         self._controller = Controller(vessel, self._of(CONTROLLER, ControllerSettings))
         self._allocator = Allocator(vessel, self._of(ALLOCATOR, AllocatorSettings))
@@ -98,9 +101,12 @@ class ClosedLoop:
         self._log = RunLog(vessel, -(-self._ticks // self._ratio), self._ticks, _AT_FEEDBACK)
         n = len(vessel.thrusters)
         self._tau_achieved: FloatArray = np.zeros(3)
+        # Of a submerged vehicle: along heave, about roll and pitch.
+        self._vertical_achieved: FloatArray | None = np.zeros(3) if vessel.is_submerged else None
         self._thrust: FloatArray = np.zeros(n)
         self._azimuth: FloatArray = np.zeros(n)
         self._command_stamp = 0  # ns
+        self._surge: tuple[int, float] | None = None  # stamp (ns) of the last valid estimate, and its surge speed
 
     @property
     def time(self) -> float:
@@ -164,14 +170,14 @@ class ClosedLoop:
             self._apply[node](settings)
             self._settings[node] = settings
         if event.setpoint is not None:
-            self._controller.set_setpoint(_as_sent(np.array(event.setpoint)))
+            self._controller.set_setpoint(as_sent(np.array(event.setpoint)))
         if event.joystick is not None:
             time_given = None if self._answered is None else self._controller_time(_nanoseconds(event.at))
             self._controller.set_joystick(np.array(event.joystick), time_given)
         if event.path is not None:
             self._controller.set_path(
                 np.array([self._controller_time(_nanoseconds(point.at)) for point in event.path]),
-                np.array([_as_sent(np.array(point.position)) for point in event.path]),
+                np.array([as_sent(np.array(point.position)) for point in event.path]),
             )
 
     def _advance(self, until: int, progress: Callable[[float], None]) -> None:
@@ -189,6 +195,7 @@ class ClosedLoop:
         pitch_ratio, pitch_setpoint = rows["pitch_ratio"], rows["pitch_ratio_setpoint"]
         ventilating, beta_q, beta_q2 = rows["ventilating"], rows["beta_q"], rows["beta_q2"]
         detects = self._vessel.drivers.ventilation is not None
+        compensates = self._of(DRIVERS, DriverSettings).needs_speed(self._vessel)
         elapsed = step_ns * 1e-9  # as nodes find it from stamps
         output = simulator.output
         for k in range(self._tick, until):
@@ -212,18 +219,28 @@ class ClosedLoop:
                     output.torque,
                     output.azimuth,
                     output.pitch_ratio,
+                    self._surge_speed(k) if compensates else None,
                 ),
                 elapsed if k else step,
             )
             torque_setpoint[k] = setpoint.torque
             rate_setpoint[k] = setpoint.azimuth_rate
             pitch_setpoint[k] = setpoint.pitch_ratio
+            if setpoint.code.size:
+                rows["code"][k] = setpoint.code
             if detects:
                 ventilating[k] = setpoint.ventilating
                 beta_q[k] = setpoint.beta_q
                 beta_q2[k] = setpoint.beta_q2
             output = simulator.step(SimulatorInputs(setpoint.torque, setpoint.azimuth_rate, setpoint.pitch_ratio), step)
         self._tick = max(until, self._tick)
+
+    def _surge_speed(self, k: int) -> float | None:
+        """Return the surge speed (m/s) that the drivers know at tick ``k``; None if it is stale or none has come."""
+        limit = self._of(DRIVERS, DriverSettings).command_timeout or self._vessel.drivers.command_timeout
+        if self._surge is None or (k * self._step_ns - self._surge[0]) * 1e-9 > limit:
+            return None
+        return self._surge[1]
 
     def _estimate(
         self, now: int, pose: FloatArray | None, elapsed: float
@@ -232,7 +249,14 @@ class ClosedLoop:
 
         A loop that is disturbed may answer otherwise; None for not at all: the command before stands.
         """
-        return self._observer.step(ObserverInputs(pose, self._tau_achieved), elapsed), elapsed, now
+        return self._observer.step(self._observed(pose), elapsed), elapsed, now
+
+    def _observed(self, pose: FloatArray | None) -> ObserverInputs:
+        """Return what the observer is given."""
+        if pose is None or self._vertical_achieved is None:
+            return ObserverInputs(pose, self._tau_achieved, None, self._vertical_achieved)
+        plane, below = split(pose)
+        return ObserverInputs(plane, self._tau_achieved, below, self._vertical_achieved)
 
     def _repeat_row(self, i: int) -> None:
         """Log a sample without an answer as the one before it."""
@@ -249,16 +273,24 @@ class ClosedLoop:
         wind = simulator.measure_wind()
         pose = simulator.measure()
         if pose is not None:
-            pose = _as_sent(pose)
+            pose = as_sent(pose)
         answered = self._estimate(k * self._step_ns, pose, elapsed)
         if answered is None:
             self._repeat_row(k // self._ratio)
             return
         estimate, elapsed, stamp = answered
-        position = _as_sent(estimate.position)
+        below: VerticalInputs | None = None
+        if estimate.vertical is None:
+            position = as_sent(estimate.position)
+        else:
+            position, place = split(as_sent(joined(estimate.position, estimate.vertical.position)))
+            below = VerticalInputs(place, estimate.vertical.velocity, self._vertical_achieved)
         demand = self._controller.step(
-            ControllerInputs(position, estimate.velocity, self._tau_achieved, estimate.valid, wind), elapsed
+            ControllerInputs(position, estimate.velocity, self._tau_achieved, estimate.valid, wind, below), elapsed
         )
+        tau = demand.tau_desired
+        if demand.vertical is not None:
+            tau = joined(tau, demand.vertical.tau_desired)[self._vessel.axis_indices]
         settings = self._allocator.settings
         if k and settings.power.needs_measurement:
             power = self._log.rows["power"][k - 1]
@@ -273,18 +305,26 @@ class ClosedLoop:
                 )
             # Of the feedback before, as on the graph: the drivers answer that of this tick later.
             self._allocator.measure_ventilation(self._log.rows["beta_q2"][k - 1], self._step_ns * 1e-9)
-        answer = self._allocator.step(demand.tau_desired, elapsed)
-        self._tau_achieved = answer.tau_achieved
+        if settings.needs_speed and estimate.valid:
+            self._allocator.measure_speed(float(estimate.velocity[0]))
+        answer = self._allocator.step(tau, elapsed)
+        if self._vessel.is_submerged:
+            self._tau_achieved, self._vertical_achieved = split(answer.wrench)
+        else:
+            self._tau_achieved = answer.tau_achieved
         self._thrust, self._azimuth = answer.thrust, answer.azimuth
         self._command_stamp = stamp
+        if estimate.valid:
+            self._surge = stamp, float(estimate.velocity[0])
         self._answered = k * self._step_ns
 
         log, rows, i = self._log, self._log.rows, k // self._ratio
         if pose is not None:
-            rows["pose"][i] = pose
+            rows["pose"][i] = pose[PLANE] if below is not None else pose
         if wind is not None:
             rows["wind"][i] = wind
-        rows["truth_position"][i] = _as_sent(truth.position + truth.wave_position)
+        if truth.vertical_position is None:
+            rows["truth_position"][i] = as_sent(truth.position + truth.wave_position)
         for name in PROPULSION_TRUTH:
             rows[f"truth_{name}"][i] = getattr(truth, name)
         rows["estimate_position"][i] = position
@@ -300,7 +340,7 @@ class ClosedLoop:
         rows["joystick"][i] = demand.joystick
         rows["transfer"][i] = demand.transfer
         rows["tau_desired"][i] = demand.tau_desired
-        rows["tau_achieved"][i] = answer.tau_achieved
+        rows["tau_achieved"][i] = self._tau_achieved
         rows["slack"][i] = answer.slack
         rows["allocation_cost"][i] = answer.cost
         rows["thrust_command"][i] = answer.thrust
@@ -317,19 +357,42 @@ class ClosedLoop:
         if answer.sectors is not None:
             rows["sub_problem"][i] = answer.sectors.sub_problem
             rows["crossing"][i] = answer.sectors.crossing
+        if estimate.vertical is not None and below is not None and demand.vertical is not None:
+            self._log_below(i, pose, truth, estimate.vertical, below, demand.vertical)
+        if answer.method_report is not None:
+            for name in ("tau_feasible", "tau_qp", "feasible_load"):
+                rows[name][i] = getattr(answer, name)
         t = k * self._step_ns * 1e-9
+        log.note("method", t, answer.method)
         log.note("observer_status", t, estimate.status)
         log.note("controller_mode", t, demand.mode)
         log.note("controller_status", t, demand.status)
         log.note("allocation_status", t, answer.status)
         log.note("azimuth_mode", t, answer.azimuth_mode)
 
+    def _log_below(
+        self,
+        i: int,
+        pose: FloatArray | None,
+        truth: SimulatorTruth,
+        estimate: VerticalEstimate,
+        sent: VerticalInputs,
+        demand: VerticalOutput,
+    ) -> None:
+        """Log depth, roll and pitch of a submerged vehicle, and the forces along the other axes."""
+        rows = self._log.rows
+        if pose is not None:
+            rows["vertical_pose"][i] = split(pose)[1]
+        if truth.vertical_position is not None:
+            place = split(as_sent(joined(truth.position, truth.vertical_position)))
+            rows["truth_position"][i], rows["vertical_truth"][i] = place
+        rows["vertical_estimate"][i] = sent.position
+        rows["vertical_velocity"][i] = estimate.velocity
+        rows["vertical_bias"][i] = estimate.bias
+        rows["vertical_reference"][i] = demand.reference
+        rows["vertical_desired"][i] = demand.tau_desired
+        rows["vertical_achieved"][i] = self._vertical_achieved
+
 
 def _nanoseconds(seconds: float) -> int:
     return round(seconds * 1e9)
-
-
-def _as_sent(position: FloatArray) -> FloatArray:
-    """Return a position as it comes out of a message: its heading has been a quaternion."""
-    north, east, heading = position.tolist()
-    return np.array([north, east, quaternion_to_heading(*heading_to_quaternion(heading))])

@@ -14,7 +14,6 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.special import stdtrit
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
@@ -50,6 +49,8 @@ def batch_jackknife(
     InputError
         If a window has fewer than two samples a batch.
     """
+    from scipy.special import stdtrit  # here: its import is slow
+
     for window in samples:
         if len(window) < 2 * batches:
             raise InputError(f"window: expected at least {2 * batches} samples, found {len(window)}")

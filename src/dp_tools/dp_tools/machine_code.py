@@ -24,7 +24,14 @@ from thrust_allocator.settings import AllocatorSettings, PowerSettings, SectorSe
 from thrust_allocator.singularity import gain_map, minimum_gain, scaled_configuration
 from thrust_allocator.singularity.settings import SingularitySettings
 from thruster_drivers.ventilation import VentilationMonitor
-from vessel_sim import Simulator, SimulatorInputs, SimulatorSettings, WaveSettings, WindSettings
+from vessel_sim import (
+    Simulator,
+    SimulatorInputs,
+    SimulatorSettings,
+    UnderwaterSimulator,
+    WaveSettings,
+    WindSettings,
+)
 from vessel_sim.inflow import Inflow
 from vessel_sim.propulsion import PropulsionPlant
 from vessel_sim.waves import Waves, hull_in_waves
@@ -99,6 +106,14 @@ def _simulation() -> None:
     PropulsionPlant(vessel).step(still, still, None, still, still, vessel.simulation.time_step)
 
 
+def _underwater() -> None:
+    vessel = load_vessel("ukwial")
+    simulator = UnderwaterSimulator(vessel)
+    still = np.zeros(len(vessel.thrusters))
+    simulator.step(SimulatorInputs(still, still), vessel.simulation.time_step)
+    simulator.truth()
+
+
 def _detection() -> None:
     vessel = load_vessel(_VESSEL)
     VentilationMonitor(vessel)
@@ -110,6 +125,7 @@ PARTS: dict[str, Callable[[], None]] = {
     "singularity": _singularity,
     "propellers": _propellers,
     "simulation": _simulation,
+    "underwater": _underwater,
     "detection": _detection,
 }
 

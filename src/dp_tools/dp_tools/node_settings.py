@@ -30,7 +30,7 @@ def default_settings(vessel: Vessel) -> dict[str, Settings]:
     return {
         SIMULATOR: SimulatorSettings.for_vessel(vessel),
         OBSERVER: ObserverSettings(),
-        CONTROLLER: ControllerSettings(),
+        CONTROLLER: ControllerSettings.for_vessel(vessel),
         ALLOCATOR: AllocatorSettings.for_vessel(vessel),
         DRIVERS: DriverSettings.for_vessel(vessel),
     }

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from dp_tools.scenario import Scenario
 from marine_model.errors import DpError
 from marine_model.section_text import section_text
+
+if TYPE_CHECKING:
+    from dp_tools.scenario import Scenario
 
 
 class FolderError(DpError):

@@ -99,6 +99,7 @@ _POSE_REST = {
 }
 _TWIST_REST = {f"twist.{part}": 0.0 for part in ("twist.linear.z", "twist.angular.x", "twist.angular.y", "covariance")}
 _IF_ASKED = ("performance_measure", "minimum_gain", "minimum_gain_both_ways", "minimum_gain_free")
+_OF_METHODS = ("feasible_load", "tau_feasible", "tau_qp")
 
 # In the order in which they travel.
 TOPICS: tuple[RunTopic, ...] = (
@@ -157,7 +158,11 @@ TOPICS: tuple[RunTopic, ...] = (
         "observer_state",
         "dp_msgs/msg/ObserverState",
         MAP_FRAME,
-        {"wave_frequency_position": ("wave_position", None), "bias": ("bias", None)},
+        {
+            "wave_frequency_position": ("wave_position", None),
+            "bias": ("bias", None),
+            "vertical_bias": ("vertical_bias", None),
+        },
         words={"status": "observer_status"},
     ),
     RunTopic(
@@ -180,6 +185,7 @@ TOPICS: tuple[RunTopic, ...] = (
             "wind_feedforward",
             "joystick",
             "transfer",
+            "vertical_reference",
         ),
         words={"mode": "controller_mode", "status": "controller_status"},
         texts={"axis_mode": ("", "", "")},
@@ -203,12 +209,12 @@ TOPICS: tuple[RunTopic, ...] = (
         "dp_msgs/msg/AllocationStatus",
         BODY_FRAME,
         {
-            **_whole("slack", "torque_loss", *_IF_ASKED, "sub_problem", "rotating", "crossing"),
+            **_whole("slack", "torque_loss", *_IF_ASKED, *_OF_METHODS, "sub_problem", "rotating", "crossing"),
             "cost": ("allocation_cost", None),
         },
-        words={"status": "allocation_status", "azimuth_mode": "azimuth_mode"},
+        words={"status": "allocation_status", "azimuth_mode": "azimuth_mode", "method": "method"},
         only_if={"torque_loss": "antispin"},
-        only_finite=frozenset((*_IF_ASKED, "crossing")),
+        only_finite=frozenset((*_IF_ASKED, *_OF_METHODS, "crossing")),
         absent={"torque_loss": 1.0},
     ),
     RunTopic(
@@ -227,8 +233,10 @@ TOPICS: tuple[RunTopic, ...] = (
             "torque": ("torque_setpoint", None),
             "azimuth_rate": ("azimuth_rate_setpoint", None),
             "pitch_ratio": ("pitch_ratio_setpoint", None),
+            "code": ("code", None),
         },
         by_thruster=True,
+        only_finite=frozenset(("code",)),
     ),
     RunTopic(
         "ventilation",

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from dp_tools.run_data import VERTICAL as VERTICAL_SERIES
 from dp_tools.run_data import RunData, Series
@@ -105,6 +104,8 @@ def low_frequency_truth(run: RunData, vessel: Vessel) -> Series:
     A Gaussian weight of 2.8 / omega_0 leaves exp(-2.8^2 / 2) = 2 % at the observer's wave frequency omega_0 and 96 % at
     a tenth of it. It stands in the report only, as something to hold the observer against.
     """
+    from scipy.ndimage import gaussian_filter1d  # here: its import is slow
+
     truth = run["truth_position"]
     if len(truth.t) < 2:
         return truth

@@ -222,6 +222,8 @@ class Measurement(Section):
     sample_time: Annotated[Positive, Unit("s")]  # between poses; the rate of the control system
     position_noise: Annotated[NonNegative, Unit("m")]  # standard deviation
     heading_noise: Annotated[NonNegative, Unit("rad")]  # standard deviation
+    depth_noise: Annotated[NonNegative, Unit("m")] = 0.0  # standard deviation; of a submerged vehicle
+    attitude_noise: Annotated[NonNegative, Unit("rad")] = 0.0  # standard deviation, of roll and pitch; likewise
     shaft_speed_noise: Annotated[NonNegative, Unit("Hz")]  # standard deviation
     azimuth_noise: Annotated[NonNegative, Unit("rad")]  # standard deviation
     dropout: Fraction  # chance that a pose is lost

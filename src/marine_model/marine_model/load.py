@@ -1,4 +1,4 @@
-"""Vessel files by name or path, with the data files of their propellers."""
+"""Vessel files by name or path, with the data files of their propellers and drives."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from marine_model.yaml_document import FieldPath, YamlDocument, read_yaml, valid
 
 VESSEL_FOLDER = Path(__file__).parent / "vessels"
 DATA_FOLDER = Path(__file__).parent / "data"
+DRIVE_FOLDER = Path(__file__).parent / "drive_files"
 
 
 def vessel_names() -> tuple[str, ...]:
@@ -87,50 +88,62 @@ def _find_wave_response(document: YamlDocument) -> None:
 
 
 def with_propeller_data(document: YamlDocument) -> YamlDocument:
-    """Put the content of every propeller's data file in the place of its name, as if it stood in the document.
+    """Put the content of every propeller's and drive's data file in the place of its name, as if it stood there.
 
     ``document`` is a vessel or propeller file. Problems in the data are told with file and line of the data file.
     Raises DocumentError.
     """
     lines, files = dict(document.lines), dict(document.files)
-    for place, propeller in _propellers(document.content):
+
+    def insert(name: Any, place: FieldPath, at: FieldPath, folder: Path) -> Any:
+        """Return the content of the file ``name``, which is named at ``place`` and stands for what is ``at``."""
+        if not isinstance(name, str):
+            raise DocumentError(document.problem(place, f"expected a file name, found {name!r}"))
+        path = _data_path(name, document, place, folder)
+        data = read_yaml(path)
+        for within, line in data.lines.items():
+            lines[(*at, *within)] = line
+            files[(*at, *within)] = path
+        return data.content
+
+    for place, propeller in _sections(document.content, "propeller"):
         model = propeller.get("model")
         field = DATA_FIELDS.get(model) if isinstance(model, str) else None
         if field is None or "file" not in propeller:
             continue
         name = propeller.pop("file")
-        if not isinstance(name, str):
-            raise DocumentError(document.problem((*place, "file"), f"expected a file name, found {name!r}"))
-        if field in propeller:
+        if isinstance(name, str) and field in propeller:
             raise DocumentError(document.problem((*place, field), "expected none beside 'file', found one"))
-        path = _data_path(name, document, (*place, "file"))
-        data = read_yaml(path)
-        propeller[field] = data.content
-        for at, line in data.lines.items():
-            lines[(*place, field, *at)] = line
-            files[(*place, field, *at)] = path
+        propeller[field] = insert(name, (*place, "file"), (*place, field), DATA_FOLDER)
+    for place, drive in _sections(document.content, "drive"):
+        if "file" not in drive:
+            continue
+        name = drive.pop("file")
+        if drive:
+            raise DocumentError(document.problem((*place, next(iter(drive))), "expected none beside 'file', found one"))
+        drive.update(insert(name, (*place, "file"), place, DRIVE_FOLDER))
     return YamlDocument(document.path, document.content, lines, files)
 
 
-def _propellers(content: dict[str, Any]) -> Iterator[tuple[FieldPath, dict[str, Any]]]:
-    """Yield every propeller section with its place: one a thruster, or that of a propeller file."""
+def _sections(content: dict[str, Any], kind: str) -> Iterator[tuple[FieldPath, dict[str, Any]]]:
+    """Yield every section ``kind`` with its place: one a thruster, or that of a propeller file."""
     thrusters = content.get("thrusters")
-    found: list[tuple[FieldPath, Any]] = [(("propeller",), content.get("propeller"))]
+    found: list[tuple[FieldPath, Any]] = [((kind,), content.get(kind))]
     for i, thruster in enumerate(thrusters if isinstance(thrusters, list) else []):
         if isinstance(thruster, dict):
-            found.append((("thrusters", i, "propeller"), thruster.get("propeller")))
-    for place, propeller in found:
-        if isinstance(propeller, dict):
-            yield place, propeller
+            found.append((("thrusters", i, kind), thruster.get(kind)))
+    for place, section in found:
+        if isinstance(section, dict):
+            yield place, section
 
 
-def _data_path(name: str, document: YamlDocument, place: FieldPath) -> Path:
-    """Return a data file: beside the file that names it, or among those of this package."""
+def _data_path(name: str, document: YamlDocument, place: FieldPath, folder: Path) -> Path:
+    """Return a data file: beside the file that names it, or in ``folder`` among those of this package."""
     beside = document.files.get(place, document.path).parent / name
-    for path in (beside, DATA_FOLDER / name):
+    for path in (beside, folder / name):
         if path.is_file():
             return path
-    known = ", ".join(sorted(path.name for path in DATA_FOLDER.glob("*.yaml")))
+    known = ", ".join(sorted(path.name for path in folder.glob("*.yaml")))
     raise DocumentError(document.problem(place, f"expected a file beside this one or one of {known}, found '{name}'"))
 
 

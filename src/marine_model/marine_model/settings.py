@@ -125,6 +125,6 @@ def _nested(flat: Mapping[str, Any]) -> dict[str, Any]:
         for group in groups:
             branch = branch.setdefault(group, {})
         # Sequences reach a node as lists or array.array; the models keep tuples.
-        scalar = isinstance(value, str | bytes | bool | int | float)
+        scalar = value is None or isinstance(value, str | bytes | bool | int | float)
         branch[leaf] = value if scalar else tuple(value)
     return tree

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from marine_model.code_maps.sections import DriveData
 from marine_model.propellers.sections import PropellerData
 from marine_model.schema import FieldError, NonNegative, Positive, Section, Vector3
 from marine_model.sector import Direction, Sector, check_sectors
@@ -108,6 +109,7 @@ class _Thruster(Section):
     propeller: PropellerData
     pitch: PitchDrive | None = None  # a controllable-pitch propeller; none when absent
     shaft: ShaftDrive
+    drive: DriveData | None = None  # one that is asked for integer codes; none when absent
 
     @model_validator(mode="after")
     def _pitch_is_known(self) -> Self:

@@ -9,12 +9,12 @@ from marine_model.units import Unit
 
 
 class VerticalObserverGains(Section):
-    """Model and pole of the observer of each of heave, roll and pitch: m v' = -d v - k x + b + tau."""
+    """Model of each of heave, roll and pitch, m v' = -d v - k x + b + tau, and poles of its observer."""
 
     mass: Annotated[PositiveVector3, Unit("kg, kg m^2, kg m^2")]  # with added mass
     damping: Annotated[PositiveVector3, Unit("N s/m, N m s, N m s")]
     stiffness: Annotated[NonNegativeVector3, Unit("N/m, N m/rad, N m/rad")]  # restoring
-    bandwidth: Annotated[PositiveVector3, Unit("rad/s")]
+    bandwidth: Annotated[PositiveVector3, Unit("rad/s")]  # the error has three poles there
 
 
 class VerticalReferenceGains(Section):

@@ -20,7 +20,7 @@ from marine_model.schema import FieldError, Positive
 from marine_model.sector import Sector
 from marine_model.thruster import AzimuthThruster
 from marine_model.thruster_configuration import thruster_columns
-from marine_model.underwater import UnderwaterBody
+from marine_model.underwater import UnderwaterBody, check_body
 from marine_model.units import Unit
 from marine_model.vertical import VerticalGains
 from marine_model.wave_response import WaveResponse, load_wave_response
@@ -73,6 +73,8 @@ class Vessel(Propulsion):
         for name, section in (excluded | {"wind_forces": self.wind_forces if submerged else None}).items():
             if section is not None:
                 raise FieldError((name,), f"expected no such section for {kind}, found one")
+        if self.underwater is not None:
+            check_body(self.underwater, self.hull.mass, self.degrees_of_freedom)
         return self
 
     @model_validator(mode="after")

@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from marine_model import Vessel
+from marine_model.axes import HORIZONTAL, axis_indices
 from marine_model.errors import InputError
 from marine_model.frames import wrap_angle
 from marine_model.gains import FixedRotatingGains, SectorGains
-from marine_model.guards import FloatArray, finite_vector, positive_number
+from marine_model.guards import FloatArray, finite_number, finite_vector, positive_number
 from thrust_allocator.antispin import POWER_TRUE, QUADRATIC, AntiSpin
 from thrust_allocator.cost import propeller_weights, reweight, thrust_floor
 from thrust_allocator.engine import Answer, Engine
+from thrust_allocator.methods import Method, MethodReport, Wanted, make_method
 from thrust_allocator.mode_supervisor import AzimuthMode, ModeState, next_mode
 from thrust_allocator.monitoring import Monitoring
 from thrust_allocator.plan.limits import Feathering, limit_table
@@ -34,6 +36,8 @@ from thrust_allocator.singularity.avoidance import Avoidance, AvoidanceReport
 # Demands beyond this multiple of all thrust and moment there is go to the solver along their direction at this size:
 # everything is saturated either way, and the arithmetic keeps its precision.
 _LARGEST_DEMAND = 10.0
+# Of the six degrees of freedom the first that is a rotation.
+_FIRST_MOMENT = 3
 # Slack, as a share of the demand in the norm of its weights, from which a demand counts as out of reach.
 _OUT_OF_REACH = 1e-3
 
@@ -68,9 +72,16 @@ class Allocator:
         self._engine = Engine(vessel)
         self._span: FloatArray = vessel.thrust_max - vessel.thrust_min
         strength = float(self._span.sum())
-        arm = float(max(np.abs(vessel.lever_x).max(), np.abs(vessel.lever_y).max()))
-        self._largest_force = _LARGEST_DEMAND * strength
-        self._largest_moment = _LARGEST_DEMAND * strength * arm
+        axes = vessel.degrees_of_freedom
+        turns = axis_indices(axes) >= _FIRST_MOMENT
+        arm = float(np.abs(vessel.columns[:, turns]).max(initial=0.0))
+        self._m = len(axes)
+        # Of every degree of freedom.
+        self._largest: list[float] = [
+            _LARGEST_DEMAND * strength * (arm if is_moment else 1.0) for is_moment in turns.tolist()
+        ]
+        # Where surge and sway stand, for who asks for their size.
+        self._level = [axes.index(axis) if axis in axes else None for axis in ("surge", "sway")]
         self._floor = thrust_floor(vessel.thrust_min, vessel.thrust_max)
         self._no_factor = np.ones(self._n)
         self._antispin = AntiSpin(self._n)
@@ -78,6 +89,7 @@ class Allocator:
         self._power = PowerLimiter(vessel, self._engine)
         self._feathering = Feathering(self._n)
         self._avoidance: Avoidance | None = None
+        self._speed = 0.0
         self.apply(settings if settings is not None else AllocatorSettings.for_vessel(vessel))
         self.reset(thrust, azimuth)
 
@@ -88,8 +100,8 @@ class Allocator:
 
     @property
     def problem(self) -> AllocationProblem | None:
-        """Problem of the last step, as an object; None before the first or with all thrusters lost."""
-        if self._answer is None:
+        """Problem of the last step, as an object; None before the first, with all thrusters lost or another method."""
+        if self._answer is None or not self._answer.solved:
             return None
         problem = self._answer.problem or self._engine.problem(self._answer)
         return problem if problem.variables else None
@@ -97,7 +109,7 @@ class Allocator:
     @property
     def solution(self) -> Solution | None:
         """What the solver made of :attr:`problem`."""
-        if self._answer is None:
+        if self._answer is None or not self._answer.solved:
             return None
         return self._engine.solution(self._answer)
 
@@ -124,8 +136,11 @@ class Allocator:
         Raises
         ------
         InputError
-            If the demand has the wrong shape or is not finite.
+            If the demand has the wrong shape or is not finite, or the vessel controls other axes than surge, sway, yaw.
         """
+        axes = self._vessel.degrees_of_freedom
+        if axes != HORIZONTAL:
+            raise InputError(f"sectors: expected a vessel that controls surge, sway, yaw, found {', '.join(axes)}")
         return self._sectors.optimum(self._sector_weight(), finite_vector("tau_desired", tau_desired, 3))
 
     def apply(self, settings: AllocatorSettings) -> None:
@@ -161,6 +176,9 @@ class Allocator:
         if settings.thrust_weight == "propeller":
             weight = propeller_weights(self._engine.power_factor)
         self._weight = weight
+        self._method = make_method(self._vessel, settings)
+        if self._method is not None:
+            self._method.measure_speed(self._speed)
         self._monitoring = Monitoring(self._vessel, settings, self._limits)
         self._changing = settings.sectors.enabled or self._mode is AzimuthMode.AUTO
         self._rehearse()
@@ -188,8 +206,8 @@ class Allocator:
         before[:, Command.THRUST] = thrusts
         before[:, Command.AZIMUTH] = [wrap_angle(angle) for angle in angles.tolist()]
         self._before = before
-        self._multiplier = np.zeros(3)
-        self._demand = np.zeros(3)
+        self._multiplier = np.zeros(self._m)
+        self._demand = np.zeros(self._m)
         self._answer: Answer | None = None
         self._direction = None
         self._mode_state = ModeState()
@@ -199,6 +217,20 @@ class Allocator:
         self._feathering.reset()
         if self._avoidance is not None:
             self._avoidance.reset()
+
+    def measure_speed(self, speed: float) -> None:
+        """Take the speed ahead through the water (m/s), for methods whose limits go with it.
+
+        It holds until the next; before the first it is 0.
+
+        Raises
+        ------
+        InputError
+            If it is not a finite number; nothing is changed.
+        """
+        self._speed = finite_number("speed", speed)
+        if self._method is not None:
+            self._method.measure_speed(self._speed)
 
     def measure_power(self, power: float) -> None:
         """Take the measured power of all thrusters together (W): it corrects the prediction, [Ruth] (4.44)."""
@@ -246,7 +278,8 @@ class Allocator:
         Parameters
         ----------
         tau_desired
-            Demanded generalized force, shape (3,), N, N, N m in the body frame.
+            Demanded generalized force over the degrees of freedom, shape (m,), N or N m in the body frame: N, N, N m
+            in surge, sway, yaw on the surface.
         dt
             Time since the last step, s. What a step may change is limited to ``settings.longest_step``: the commands
             of the last step have been standing since, and what was not asked for then has not been begun.
@@ -289,7 +322,11 @@ class Allocator:
             )
             return found
 
-        if self._avoidance is None:
+        report: MethodReport | None = None
+        if self._method is not None:
+            answer, report = self._by_method(self._method, limits, before, weight, tamed, dt)
+            rotating = False
+        elif self._avoidance is None:
             answer = run(limits, before, self._multiplier, tamed)
         elif not rotating:
             self._avoidance.reset()
@@ -304,7 +341,8 @@ class Allocator:
         self._demand = tau
         self._answer = answer
         self._before = answer.commands
-        self._multiplier = answer.multiplier
+        if answer.solved:
+            self._multiplier = answer.multiplier
         failed = bool(answer.complaint)
         return AllocationResult(
             commands=answer.commands,
@@ -326,6 +364,8 @@ class Allocator:
             monitoring=self._monitoring,
             problem=answer.problem if failed else None,
             solution=answer.solution if failed else None,
+            method=settings.method,
+            method_report=report,
         )
 
     def fade(self, time: float) -> None:
@@ -345,7 +385,31 @@ class Allocator:
 
     def _rehearse(self) -> None:
         """Go through a step of a twin, so that no step of this one waits for machine code to be loaded or compiled."""
-        _Twin(self._vessel, self._settings).step(self._vessel.thrust_max.sum() * np.ones(3), self._longest_step)
+        tau = self._vessel.thrust_max.sum() * np.ones(self._m)
+        _Twin(self._vessel, self._settings).step(tau, self._longest_step)
+
+    def _by_method(
+        self, method: Method, limits: FloatArray, before: FloatArray, weight: FloatArray, tau: FloatArray, dt: float
+    ) -> tuple[Answer, MethodReport]:
+        """Allocate without a program, and solve it beside: both start from the same commands, in the same windows."""
+        achieved = np.full(self._m, np.nan)
+        if self._settings.compare_qp:
+            program = self._run(limits, before, self._multiplier, weight, tau, dt)
+            self._multiplier = program.multiplier
+            if not program.complaint:
+                achieved = program.totals[: self._m].copy()
+        table = limits.copy()
+        table[:, Limit.ROTATING] = 0.0
+        method.aim(table, before[:, Command.AZIMUTH], tau)
+        wanted: list[Wanted] = []
+
+        def want(plans: FloatArray) -> FloatArray:
+            wanted.append(method.want(plans, table, tau))
+            return wanted[0].thrust
+
+        answer = self._engine.impose(table, before, weight, tau, dt, want)
+        found = wanted[0]
+        return answer, MethodReport(found.tau_feasible, found.load, found.detail, achieved)
 
     def _where_they_point(self, dt: float) -> FloatArray:
         """Return the commands of the step before, with lost azimuth drives where they were measured.
@@ -371,7 +435,8 @@ class Allocator:
 
         The filter of the demand goes on in every mode, so that auto begins from what the demand has been.
         """
-        state = next_mode(self._mode_state, self._mode, self._auto, float(tau[0]), float(tau[1]), elapsed)
+        surge, sway = (0.0 if i is None else float(tau[i]) for i in self._level)
+        state = next_mode(self._mode_state, self._mode, self._auto, surge, sway, elapsed)
         self._mode_state = state
         if self._mode is AzimuthMode.AUTO:
             self._limits[:, Limit.ROTATING] = state.rotating
@@ -411,7 +476,10 @@ class Allocator:
         if self._settings.over_demand == "slack" or answer.complaint:
             return answer
         scale = 1.0 / np.sqrt(answer.compliance)
-        missed, size = float(np.linalg.norm(scale * (tau - answer.totals[:3]))), float(np.linalg.norm(scale * tau))
+        missed, size = (
+            float(np.linalg.norm(scale * (tau - answer.totals[: self._m]))),
+            float(np.linalg.norm(scale * tau)),
+        )
         if missed <= _OUT_OF_REACH * size:
             return answer
         share = attainable_share(self._engine, answer, self._span)
@@ -427,22 +495,21 @@ class Allocator:
         try:
             tau = np.array(tau_desired, dtype=np.float64)
         except (TypeError, ValueError) as error:
-            raise InputError(f"tau_desired: expected 3 numbers, found {tau_desired!r}") from error
-        if tau.shape != (3,):
-            raise InputError(f"tau_desired: expected shape (3,), found {tau.shape}")
-        x, y, n = tau.tolist()
-        if math.isfinite(x) and math.isfinite(y) and math.isfinite(n):
+            raise InputError(f"tau_desired: expected {self._m} numbers, found {tau_desired!r}") from error
+        if tau.shape != (self._m,):
+            raise InputError(f"tau_desired: expected shape ({self._m},), found {tau.shape}")
+        numbers = tau.tolist()
+        if all(map(math.isfinite, numbers)):
             return tau, Status.OPTIMAL, ""
         return (
             self._demand,
             Status.DEMAND_NOT_FINITE,
-            f"tau_desired: expected finite numbers, found {[x, y, n]}; the last good demand stands",
+            f"tau_desired: expected finite numbers, found {numbers}; the last good demand stands",
         )
 
     def _tamed(self, tau: FloatArray) -> FloatArray:
         """Return the demand, brought down along its direction where it is far beyond the vessel."""
-        x, y, n = tau.tolist()
-        excess = max(abs(x) / self._largest_force, abs(y) / self._largest_force, abs(n) / self._largest_moment)
+        excess = max([abs(part) / largest for part, largest in zip(tau.tolist(), self._largest, strict=True)])
         return tau if excess <= 1.0 else tau / excess
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,25 +36,27 @@ class Answer:
     Attributes
     ----------
     tau
-        Demand that was allocated, shape (3,).
+        Demand that was allocated, over the degrees of freedom, shape (m,).
     plans
         Table of plans, shape (n, 6).
     commands
         Table of commands, shape (n, 5), see :class:`polar.Command`.
     totals
-        Sums, shape (7,), see :class:`step.Total`; tau_achieved first.
+        Sums, shape (m + 4,), see :class:`step.Total`; tau_achieved first.
     multiplier
-        lambda, shape (3,): where a run on a problem like it starts.
+        lambda, shape (m,): where a run on a problem like it starts.
     force
         Cartesian thrusts that the solver answered, shape (n, 2), N.
     weight
         Diagonal of W_u^2 that was used, shape (n,).
     compliance
-        Diagonal of Q^-1 that was used, shape (3,).
+        Diagonal of Q^-1 that was used, shape (m,).
     steps
         As the solver counts them.
     complaint
         What was wrong with every solver's answer; empty when one was used. Otherwise the commands hold still.
+    solved
+        Whether there was a problem to solve: not with thrusts that were imposed.
     problem, solution
         Where another solver than that of this package was asked: its problem, and what it made of it.
     """
@@ -68,6 +71,7 @@ class Answer:
     compliance: FloatArray
     steps: int
     complaint: str = ""
+    solved: bool = True
     problem: AllocationProblem | None = None
     solution: Solution | None = None
 
@@ -82,7 +86,7 @@ class Engine:
     """
 
     def __init__(self, vessel: Vessel) -> None:
-        n = len(vessel.thrusters)
+        n, m = len(vessel.thrusters), len(vessel.degrees_of_freedom)
         self.weights = Weights.of(vessel)
         self.columns = self.weights.columns
         self.power_factor = vessel.propellers.power_per_thrust_3_2.copy()
@@ -91,9 +95,10 @@ class Engine:
         self._zero_region = vessel.allocator.zero_region
         self._accepted_force = _ACCEPTED_FORCE * float((vessel.thrust_max - vessel.thrust_min).sum())
         self._corners, self._count = np.zeros((n, CORNERS, 2)), np.zeros(n, dtype=np.int64)
-        self._face, self._work = np.zeros(n, dtype=np.int64), np.zeros((3, 4))
+        self._face, self._work = np.zeros(n, dtype=np.int64), np.zeros((m, m + 1))
         self._gradient = np.zeros((n, 2))
-        self._shape = n
+        self._shape = n, m
+        self._is_yaw = np.array([axis == "yaw" for axis in vessel.degrees_of_freedom])
         self._solver: Solver = make_solver(NAME)
         self._second = DaqpSolver()
 
@@ -122,11 +127,11 @@ class Engine:
         before
             Commands of the step before, shape (n, 5).
         multiplier
-            lambda of a problem like it, shape (3,); not changed.
+            lambda of a problem like it, shape (m,); not changed.
         weight
             Diagonal of W_u^2, shape (n,).
         tau
-            Demanded generalized force, shape (3,), N, N, N m.
+            Demanded generalized force, shape (m,), N or N m.
         dt
             Time step, s.
         coupling
@@ -134,15 +139,15 @@ class Engine:
         yaw_factor
             Factor on the weight of the slack in yaw, W_v.
         """
-        n = self._shape
+        n, m = self._shape
         compliance = self.compliance
         if yaw_factor != 1.0:
-            compliance = compliance / np.array((1.0, 1.0, yaw_factor**2))
+            compliance = compliance / np.where(self._is_yaw, yaw_factor**2, 1.0)
         answer = Answer(
             tau,
             np.empty((n, 6)),
             np.empty((n, Command.COLUMNS)),
-            np.empty(3 + Total.COUNT),
+            np.empty(m + Total.COUNT),
             multiplier.copy(),
             np.zeros((n, 2)),
             weight,
@@ -175,6 +180,41 @@ class Engine:
         answer.totals[Total.STATIONARITY] = 0.0 if answer.solution is None else answer.solution.residuals.stationarity
         return answer
 
+    def impose(
+        self,
+        limits: FloatArray,
+        before: FloatArray,
+        weight: FloatArray,
+        tau: FloatArray,
+        dt: float,
+        want: Callable[[FloatArray], FloatArray],
+    ) -> Answer:
+        """Command thrusts that are known, brought into the windows of this step.
+
+        Parameters
+        ----------
+        limits
+            Table of limits, shape (n, 14), with no thruster that rotates.
+        before, weight, tau, dt
+            As in :meth:`run`.
+        want
+            From the table of plans, shape (n, 6), to the thrust of every thruster along its direction there, (n,), N.
+        """
+        n, m = self._shape
+        plans, table = np.empty((n, 6)), np.empty((n, Command.COLUMNS))
+        plan_thrusters(limits, before[:, 0], before[:, 1], dt, self._approach, plans)
+        thrust = np.minimum(np.maximum(want(plans), plans[:, Plan.LOWER]), plans[:, Plan.UPPER])
+        held = plans[:, Plan.AZIMUTH]
+        force = np.column_stack((thrust * np.cos(held), thrust * np.sin(held)))
+        commands(plans, limits[:, Limit.SPAN], force, table)
+        # To the last bit, which the way through components would not keep; a lost one has its own in its plan.
+        table[:, Command.THRUST] = thrust
+        answer = Answer(
+            tau, plans, table, np.zeros(m + Total.COUNT), np.zeros(m), force, weight, self.compliance, 0, solved=False
+        )
+        self.add_up(answer)
+        return answer
+
     def add_up(self, answer: Answer) -> None:
         """Sum up the commands of ``answer`` anew, after they have been changed."""
         add_up(
@@ -191,13 +231,13 @@ class Engine:
         """Return the problem that a run solved, as an object."""
         weights = self.weights
         if answer.weight is not weights.thrust or answer.compliance is not self.compliance:
-            weights = Weights(
-                weights.lever_x, weights.lever_y, 1.0 / answer.compliance, answer.weight, weights.zero_region
-            )
+            weights = Weights(weights.columns, 1.0 / answer.compliance, answer.weight, weights.zero_region)
         return AllocationProblem(weights, answer.plans, answer.tau, coupling)
 
     def solver_of(self, answer: Answer) -> str:
-        """Return the name of the solver that was asked last for ``answer``."""
+        """Return the name of the solver that was asked last for ``answer``; empty if none was."""
+        if not answer.solved:
+            return ""
         if answer.problem is None:
             return NAME
         return self._second.name if self._solver.name == NAME else self._solver.name

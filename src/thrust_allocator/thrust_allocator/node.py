@@ -11,19 +11,23 @@ from typing import Any
 import numpy as np
 from dp_msgs.msg import AllocationStatus, ThrusterCommand, ThrusterFeedback, Ventilation
 from geometry_msgs.msg import WrenchStamped
+from nav_msgs.msg import Odometry
 
 from dp_node import Health, Inbox, RingNode, StampSequence, WaitingRoom, run_node, seconds_between, to_nanoseconds
 from marine_model import Vessel
+from marine_model.axes import in_six
 from marine_model.errors import InputError
 from marine_model.frames import BODY_FRAME
-from marine_model.guards import FloatArray, finite_vector
-from marine_model.thruster_configuration import generalized_force
+from marine_model.guards import FloatArray, finite_number, finite_vector
 from thrust_allocator.allocator import Allocator
+from thrust_allocator.feasible.directions import along_direction
+from thrust_allocator.methods import knows_speed
 from thrust_allocator.node_health import Tally, health_of
 from thrust_allocator.result import AllocationResult, Status
 from thrust_allocator.settings import AllocatorSettings, check_settings
+from thrust_allocator.step import Total
 
-VENTILATION = "ventilation"
+VENTILATION, ODOMETRY = "ventilation", "odometry"
 _INITIAL = ("vessel", "feedback")
 
 
@@ -60,9 +64,12 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         """Make core, publishers and subscriptions."""
         self._core = Allocator(self.vessel, self.settings)
         # What is told of an answer is machine code too, and none of it is to be compiled while a demand waits.
-        rehearsal = Allocator(self.vessel, self.settings).step(np.zeros(3), self.vessel.measurement.sample_time)
+        # A demand along every axis: of none, nothing is looked up.
+        some = np.ones(len(self.vessel.degrees_of_freedom))
+        rehearsal = Allocator(self.vessel, self.settings).step(some, self.vessel.measurement.sample_time)
         self._status_message(AllocationStatus().header, rehearsal)
         self._names = list(self.vessel.thruster_names)
+        self._axes: list[int] = self.vessel.axis_indices.tolist()
         self._resting = False
         self._command = self.publish_on(ThrusterCommand, "thruster_command", when_inactive=True)
         self._achieved = self.publish_on(WrenchStamped, "tau_achieved", when_inactive=True)
@@ -71,10 +78,14 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._power: Inbox[FloatArray] = Inbox("the power of thruster_feedback")
         self._direction: Inbox[FloatArray] = Inbox("the directions of thruster_feedback")
         self._ventilation: Inbox[FloatArray] = Inbox(VENTILATION)
-        self._room: WaitingRoom[Any] = WaitingRoom(round(self.vessel.simulation.time_step * 1e9))
+        # Speed ahead, shape (1,).
+        self._speed: Inbox[FloatArray] = Inbox(ODOMETRY)
+        self._time_step = round(self.vessel.simulation.time_step * 1e9)
+        self._room: WaitingRoom[Any] = WaitingRoom(self._time_step)
+        self._holds_first = False
         self._forget()
         self.listen(WrenchStamped, "tau_desired", self._on_demand, exclusive=True)
-        self._hears_feedback = self._hears_ventilation = False
+        self._hears_feedback = self._hears_ventilation = self._hears_odometry = False
         self._hear()
 
     def apply(self, settings: AllocatorSettings) -> None:
@@ -107,7 +118,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
 
     def health(self) -> Health:
         """Return status of the last answer, counts of fall-backs, what limits it, and solve times."""
-        waiting, missing = "", self._room.waits_for(self._needed())
+        waiting, missing = "", self._room.waits_for(self._needed(self._holds_first))
         if missing:
             waiting = " and ".join(missing)
             if VENTILATION in missing and not self.count_publishers(VENTILATION):
@@ -127,10 +138,16 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         if not self._hears_ventilation and self.settings.antispin.enabled:
             self._hears_ventilation = True
             self.listen(Ventilation, VENTILATION, self._on_ventilation)
+        # From the start where it may ever be asked for: a demand that waits for it may come after it.
+        if not self._hears_odometry and (settings.needs_speed or knows_speed(self.vessel)):
+            self._hears_odometry = True
+            self.listen(Odometry, ODOMETRY, self._on_odometry)
 
-    def _needed(self) -> list[Inbox[FloatArray]]:
-        """Return the inboxes that have a say in the next demand."""
-        needed = []
+    def _needed(self, is_first: bool) -> list[Inbox[FloatArray]]:
+        """Return the inboxes that have a say in the next demand; before the first one nothing but odometry has come."""
+        needed = [self._speed] if self.settings.needs_speed else []
+        if is_first:
+            return needed
         if self.settings.power.needs_measurement:
             needed.append(self._power)
         if self.settings.needs_direction:
@@ -143,7 +160,9 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         self._power.clear()
         self._direction.clear()
         self._ventilation.clear()
+        self._speed.clear()
         self._room.clear()
+        self._holds_first = False
         self._stamps = StampSequence("tau_desired", self.vessel.measurement.sample_time)
         self._waiting = self._initial == "feedback" and self._commanded is None
         self._tally = Tally()
@@ -171,6 +190,16 @@ class AllocatorNode(RingNode[AllocatorSettings]):
     def _on_ventilation(self, message: Any) -> None:
         self._keep(self._ventilation, message, lambda: self._torque_loss(message), self.settings.antispin.enabled)
 
+    def _on_odometry(self, message: Any) -> None:
+        # That of a sample comes before its demand: it counts as of one time step before, like all that is waited for.
+        self._keep(
+            self._speed,
+            message,
+            lambda: _speed_ahead(message),
+            self.settings.needs_speed,
+            lead=self._time_step,
+        )
+
     def _torque_loss(self, message: Any) -> FloatArray:
         """Return beta_Q2 in the order of the vessel file."""
         loss = finite_vector("ventilation: beta_q2", message.beta_q2, len(self._names))
@@ -178,11 +207,13 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             raise InputError(f"ventilation: beta_q2: expected factors from 0 to 1, found {loss.tolist()}")
         return loss[self._order(VENTILATION, message)]
 
-    def _keep(self, inbox: Inbox[FloatArray], message: Any, read: Callable[[], FloatArray], needed: bool) -> None:
+    def _keep(
+        self, inbox: Inbox[FloatArray], message: Any, read: Callable[[], FloatArray | None], needed: bool, lead: int = 0
+    ) -> None:
         """Put what ``read`` returns into ``inbox``, and answer the demand that waited for it.
 
         What is not ``needed`` now is kept too: once switched on, a demand waits for what came a time step before it,
-        which may have come before the switch.
+        which may have come before the switch. ``lead`` (ns) is taken off its stamp.
         """
         found = None
         try:
@@ -192,11 +223,11 @@ class AllocatorNode(RingNode[AllocatorSettings]):
                 raise
         finally:
             # Refused or not: a demand that waits is answered, or the ring would stand still.
-            inbox.put(to_nanoseconds(message.header.stamp), found)
+            inbox.put(to_nanoseconds(message.header.stamp) - lead, found)
             self._answer_held()
 
     def _answer_held(self) -> None:
-        held = self._room.release(self._needed())
+        held = self._room.release(self._needed(self._holds_first))
         if held is None:
             return
         try:
@@ -225,6 +256,10 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             loss = self._ventilation.take(stamp)
             if loss is not None:
                 self._core.measure_ventilation(loss[1], seconds_between(loss[0], stamp))
+        if self.settings.needs_speed:
+            speed = self._speed.take(stamp)
+            if speed is not None:
+                self._core.measure_speed(float(speed[1][0]))
 
     def _start_from(self, message: Any) -> None:
         order = self._order("thruster_feedback", message)
@@ -239,16 +274,16 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             raise InputError(f"tau_desired: expected frame_id '{BODY_FRAME}', found '{message.header.frame_id}'")
         if self._waiting:
             raise InputError("tau_desired: refused until the first thruster_feedback says where the thrusters point")
-        # In lockstep what was measured is the same in every run, so that a demand waits for it. Before the first demand
-        # there has been nothing.
+        # In lockstep what was measured is the same in every run, so that a demand waits for it.
         is_first, stamp = self._stamps.last is None, to_nanoseconds(message.header.stamp)
         dt = self._stamps.step(message.header.stamp, self._since_last_command(stamp))
-        if self.synchronous and not is_first:
-            missing = self._room.missing(stamp, self._needed())
+        if self.synchronous:
+            missing = self._room.missing(stamp, self._needed(is_first))
             if missing:
                 if self._room.holds:
                     self.refuse(f"tau_desired: another came before {' and '.join(missing)} that this one waited for")
                 self._room.hold(stamp, (message, dt))
+                self._holds_first = is_first
                 return
         self._answer(message, dt)
 
@@ -258,24 +293,29 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             # Since then the drivers have ramped thrust to zero; it comes back from there.
             self._core.fade(dt - self.vessel.drivers.command_timeout)
         self._measure(to_nanoseconds(stamp))
-        wrench = message.wrench
-        result = self._core.step((wrench.force.x, wrench.force.y, wrench.torque.z), dt)
+        force, torque = message.wrench.force, message.wrench.torque
+        six = (force.x, force.y, force.z, torque.x, torque.y, torque.z)
+        result = self._core.step([six[i] for i in self._axes], dt)
+        wrench = result.wrench
         if self._resting:
             if result.status is Status.DEMAND_NOT_FINITE:
                 self.refuse(result.message)
-            result = self._as_resting(result)
-        self._publish(stamp, result)
+            result, wrench = self._as_resting(result)
+        self._publish(stamp, result, wrench)
         self._commanded = to_nanoseconds(stamp), result.thrust, result.azimuth
         before = Status.OPTIMAL if self._tally.last is None else self._tally.last.status
         self._tally.add(result, self.settings.solver, dt)
         if result.status is not before:
             self._report(result)
 
-    def _as_resting(self, result: AllocationResult) -> AllocationResult:
-        """Return an answer in which what is left of the thrusts counts: a lost thruster's would not."""
+    def _as_resting(self, result: AllocationResult) -> tuple[AllocationResult, FloatArray]:
+        """Return an answer and its wrench in which what is left of the thrusts counts: a lost thruster's would not."""
         vessel, totals = self.vessel, result.totals.copy()
-        totals[:3] = generalized_force(vessel.lever_x, vessel.lever_y, result.thrust, result.azimuth)
-        return replace(result, totals=totals, status=Status.DEACTIVATED, message="thrust is ramped to zero")
+        wrench = result.thrust @ along_direction(vessel.columns6, result.azimuth)
+        totals[: Total.COST] = wrench[self._axes]
+        if not vessel.is_submerged:
+            wrench = in_six(vessel.degrees_of_freedom, totals[: Total.COST])
+        return replace(result, totals=totals, status=Status.DEACTIVATED, message="thrust is ramped to zero"), wrench
 
     def _since_last_command(self, stamp: int) -> float:
         """Return the time from the last command of an earlier activation to ``stamp`` (ns), s; one sample without."""
@@ -296,7 +336,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
                 f"A {problem.A.tolist()}, b_lower {problem.b_lower.tolist()}, b_upper {problem.b_upper.tolist()}"
             )
 
-    def _publish(self, stamp: Any, result: AllocationResult) -> None:
+    def _publish(self, stamp: Any, result: AllocationResult, wrench: FloatArray) -> None:
         command = ThrusterCommand()
         command.header.stamp = stamp
         command.header.frame_id = BODY_FRAME
@@ -307,10 +347,8 @@ class AllocatorNode(RingNode[AllocatorSettings]):
 
         achieved = WrenchStamped()
         achieved.header = command.header
-        surge, sway, yaw = result.tau_achieved.tolist()
-        achieved.wrench.force.x = surge
-        achieved.wrench.force.y = sway
-        achieved.wrench.torque.z = yaw
+        force, torque = achieved.wrench.force, achieved.wrench.torque
+        force.x, force.y, force.z, torque.x, torque.y, torque.z = wrench.tolist()
         self._achieved.publish(achieved)
 
         self._status.publish(self._status_message(command.header, result))
@@ -323,7 +361,13 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         status.performance_measure = result.mean_force
         status.solver = result.solver
         status.cost = result.cost
-        status.slack = result.slack
+        status.slack = array("d", result.slack.tobytes())
+        status.method, status.detail = result.method, result.detail
+        status.feasible_load = result.feasible_load
+        if result.method_report is not None:
+            status.tau_feasible = array("d", result.tau_feasible.tobytes())
+            if np.isfinite(result.tau_qp).all():
+                status.tau_qp = array("d", result.tau_qp.tobytes())
         status.demanded_power = result.demanded_power
         status.commanded_power = result.commanded_power
         status.rotating = list(result.rotating)
@@ -345,7 +389,7 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         status.minimum_gain_local = gains.local_gain
         status.minimum_gain_horizon = gains.horizon_gain
         status.minimum_gain_both_ways = result.gain_both_ways.gain
-        status.weakest_direction = gains.direction
+        status.weakest_direction = array("d", np.ascontiguousarray(gains.direction).tobytes())
         status.weakest_azimuth, status.weakest_length = gains.projection_angle, gains.projection_length
         avoidance = result.avoidance
         if avoidance is None:
@@ -361,6 +405,16 @@ class AllocatorNode(RingNode[AllocatorSettings]):
             status.released = avoidance.released
             status.gain_crossing = avoidance.crossing
         return status
+
+
+def _speed_ahead(message: Any) -> FloatArray | None:
+    """Return the surge speed of a nav_msgs/Odometry, shape (1,), m/s; None of an estimate that is not valid."""
+    if message.child_frame_id != BODY_FRAME:
+        raise InputError(f"odometry child_frame_id: expected frame '{BODY_FRAME}', found '{message.child_frame_id}'")
+    # An invalid observer says so with a negative variance; its numbers are not looked at.
+    if message.pose.covariance[0] < 0.0:
+        return None
+    return np.array([finite_number("odometry twist.linear.x", message.twist.twist.linear.x)])
 
 
 def main() -> None:

@@ -67,7 +67,7 @@ class Tally:
         self.last = result
         self.demands += 1
         self.steps[result.status] += 1
-        other = result.solver != solver
+        other = result.solver not in ("", solver)
         self.other_solver += other
         self.fresh_other += other
         at_limit = result.thrust_saturated
@@ -87,6 +87,7 @@ class Tally:
 
 def is_singular(result: AllocationResult) -> bool:
     """Return whether the thrusters in use, as they point, give no force in some direction."""
+    # Not known of a vessel that controls other axes: NaN is not less.
     return result.status is not Status.NO_THRUSTER and result.gain_both_ways.gain < _SINGULAR
 
 
@@ -147,6 +148,7 @@ def health_of(
 def _values(last: AllocationResult, settings: AllocatorSettings, vessel: Vessel) -> dict[str, object]:
     margin = last.margin
     found: dict[str, object] = {
+        "method": last.method,
         "azimuth_mode": last.azimuth_mode,
         "margin": margin.fixed,
         "margin_turned": margin.turning,
@@ -162,6 +164,9 @@ def _values(last: AllocationResult, settings: AllocatorSettings, vessel: Vessel)
     if last.sectors is not None:
         found["sub_problem"] = last.sectors.sub_problem
         found["crossing"] = " ".join(_named(vessel.thruster_names, last.sectors.crossing))
+    if last.method_report is not None:
+        found["feasible_load"] = last.feasible_load
+        found["reduced"] = last.detail
     if last.antispin:
         spared = zip(vessel.thruster_names, last.torque_loss.tolist(), strict=True)
         found["spared"] = " ".join([f"{name} {loss:.2f}" for name, loss in spared if loss < 1.0])

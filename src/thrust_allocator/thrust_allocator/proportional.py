@@ -31,8 +31,8 @@ def attainable_share(engine: Engine, answer: Answer, span: FloatArray) -> float:
     span
         |T_max| + |T_min|, shape (n,), N.
     """
-    n = len(span)
-    columns = np.zeros((n + 1, 3, 2))
+    n, m = len(span), len(answer.tau)
+    columns = np.zeros((n + 1, m, 2))
     columns[:n] = engine.columns
     columns[n, :, 0] = answer.tau
     weight = np.append(answer.weight, _PRICE * float(answer.weight @ span**2))
@@ -48,10 +48,10 @@ def attainable_share(engine: Engine, answer: Answer, span: FloatArray) -> float:
         count,
         _STIFFER * answer.compliance,
         answer.tau,
-        np.zeros(3),
+        np.zeros(m),
         force,
         face,
-        np.zeros((3, 4)),
+        np.zeros((m, m + 1)),
     )
     # The axes as they are weighted are all that is left if the method fails.
     return 1.0 if steps < 0 else 1.0 - float(min(max(force[n, 0], 0.0), 1.0))

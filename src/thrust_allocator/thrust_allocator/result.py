@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from math import nan
+
+import numpy as np
 
 from marine_model.guards import FloatArray
 from thrust_allocator.attainable import Margin
+from thrust_allocator.methods import MethodReport
 from thrust_allocator.monitoring import Monitoring
 from thrust_allocator.plan.phase import Phase
 from thrust_allocator.plan.polar import Command
@@ -44,9 +48,10 @@ class AllocationResult:
     commands
         Table of commands, shape (n, 5), see :class:`polar.Command`.
     totals
-        Sums over the thrusters, shape (7,), see :class:`step.Total`.
+        Sums over the thrusters, shape (m + 4,), see :class:`step.Total`.
     tau_desired
-        The demand that was allocated, shape (3,), N, N, N m; differs from the argument where that was not finite.
+        The demand that was allocated, over the vessel's degrees of freedom, shape (m,), N or N m; differs from the
+        argument where that was not finite.
     solve_time
         Time this step took from demand to answer, s.
     status
@@ -58,7 +63,8 @@ class AllocationResult:
     mean_force
         Performance measure of (6.3): low-pass filtered surge-sway demand, N; NaN unless the operator asks for auto.
     solver
-        Name of the solver that answered: that of the settings, or daqp in place of the package's own.
+        Name of the solver that answered: that of the settings, or daqp in place of the package's own; empty with a
+        method that solves nothing.
     sectors
         What the supervisor of sectors decided; None without sectors.
     power
@@ -77,6 +83,10 @@ class AllocationResult:
         Answers :attr:`gains` and :attr:`margin`.
     problem, solution
         On a failure the problem and what the solver made of it, for debugging; None otherwise.
+    method
+        That divided the demand: qp or another.
+    method_report
+        What another one did; None with qp.
     """
 
     commands: FloatArray
@@ -98,6 +108,8 @@ class AllocationResult:
     monitoring: Monitoring
     problem: AllocationProblem | None
     solution: Solution | None
+    method: str = "qp"
+    method_report: MethodReport | None = None
 
     @property
     def thrust(self) -> FloatArray:
@@ -111,13 +123,40 @@ class AllocationResult:
 
     @property
     def tau_achieved(self) -> FloatArray:
-        """B(azimuth) thrust over the thrusters that are not lost, shape (3,), N, N, N m."""
+        """B(azimuth) thrust over the thrusters that are not lost, shape (m,), N or N m."""
         return self.totals[: Total.COST].copy()
 
     @property
+    def wrench(self) -> FloatArray:
+        """The same in all six degrees of freedom with by-products, shape (6,); on the surface zero in the others."""
+        return self.monitoring.wrench(self.commands, self.totals[: Total.COST])
+
+    @property
     def slack(self) -> FloatArray:
-        """tau_desired - tau_achieved, shape (3,), N, N, N m."""
+        """tau_desired - tau_achieved, shape (m,), N or N m."""
         return self.tau_desired - self.totals[: Total.COST]
+
+    @property
+    def feasible_load(self) -> float:
+        """The demand over the edge of the method's own region, which reduces it above 1; NaN with qp."""
+        return nan if self.method_report is None else self.method_report.load
+
+    @property
+    def tau_feasible(self) -> FloatArray:
+        """What the method reduced the demand to, shape (m,), N or N m; NaN with qp, which reduces nothing."""
+        report = self.method_report
+        return np.full(len(self.tau_desired), nan) if report is None else report.tau_feasible
+
+    @property
+    def tau_qp(self) -> FloatArray:
+        """What qp would have achieved from the same operating point, shape (m,); NaN with qp or if it was not asked."""
+        report = self.method_report
+        return np.full(len(self.tau_desired), nan) if report is None else report.tau_qp
+
+    @property
+    def detail(self) -> str:
+        """What the method reduced, and why; empty if nothing."""
+        return "" if self.method_report is None else self.method_report.detail
 
     @property
     def cost(self) -> float:

@@ -10,9 +10,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from marine_model import Vessel
+from marine_model.axes import HORIZONTAL
 from marine_model.errors import InputError
 from marine_model.schema import Fraction
 from marine_model.settings import Settings, setting
+from thrust_allocator.methods.make import check_method, default_moment, knows_speed
+from thrust_allocator.methods.settings import AzimuthAngleSettings, PortionSettings, PrioritySettings
 from thrust_allocator.program.active_set_solver import NAME
 from thrust_allocator.program.solvers import check_solver
 from thrust_allocator.singularity.settings import SingularitySettings, limits_of
@@ -100,6 +103,18 @@ class AllocatorSettings(Settings):
     every thruster.
     """
 
+    method: Literal["qp", "pseudo_inverse", "garus_azimuth", "portioned"] = setting(
+        "qp",
+        "How a demand is divided: quadratic program; pseudo-inverse; four azimuth propellers that turn together; "
+        "portions of marching thrusters in a cross",
+    )
+    feasible: Literal["none", "proportional", "priority"] = setting(
+        "none",
+        "With method = pseudo_inverse: how a demand beyond the octahedron is reduced before it is divided",
+    )
+    compare_qp: bool = setting(
+        True, "With another method: solve the quadratic program beside it, and tell what it would achieve"
+    )
     azimuth_mode: Literal["fixed", "rotating", "variable", "auto"] = setting(
         "fixed",
         "Azimuth thrusters are held in their fixed directions, rotate (rotating, or variable), or change between both "
@@ -151,11 +166,19 @@ class AllocatorSettings(Settings):
     power: PowerSettings = Field(default=PowerSettings())
     singularity: SingularitySettings = Field(default=SingularitySettings())
     antispin: AntiSpinSettings = Field(default=AntiSpinSettings())
+    priority: PrioritySettings = Field(default=PrioritySettings())
+    garus_azimuth: AzimuthAngleSettings = Field(default=AzimuthAngleSettings())
+    portions: PortionSettings = Field(default=PortionSettings())
 
     @property
     def needs_direction(self) -> bool:
         """Whether an azimuth drive is lost, so that the measured directions have a say."""
         return not all(self.azimuth_enabled) or 0.0 in self.azimuth_rate_scale
+
+    @property
+    def needs_speed(self) -> bool:
+        """Whether the speed through the water has a say."""
+        return self.method == "portioned" and self.portions.speed_limited
 
     def enabled(self, vessel: Vessel) -> NDArray[np.bool_]:
         """Return which thrusters are not lost, shape (n,)."""
@@ -190,6 +213,9 @@ class AllocatorSettings(Settings):
         if vessel.drivers.ventilation is not None:
             antispin["relax_rate"] = vessel.drivers.ventilation.relax_rate
         values["antispin"] = AntiSpinSettings(**antispin)
+        values["priority"] = PrioritySettings(weights=(1.0,) * len(vessel.degrees_of_freedom))
+        values["garus_azimuth"] = AzimuthAngleSettings(reserved_moment=default_moment(vessel))
+        values["portions"] = PortionSettings(speed_limited=knows_speed(vessel))
         return cls(**(values | overrides))
 
 
@@ -200,7 +226,7 @@ def check_settings(settings: AllocatorSettings, vessel: Vessel) -> None:
     ------
     InputError
         If a field over thrusters has the wrong length, the solver is unknown or not installed, or a limit of power is
-        asked for that was not given.
+        asked for that was not given, or a method or an option does not fit the vessel.
     """
     n = len(vessel.thrusters)
     per_thruster = {
@@ -218,6 +244,8 @@ def check_settings(settings: AllocatorSettings, vessel: Vessel) -> None:
                 f"{name}: expected {n} elements, one a thruster ({', '.join(vessel.thruster_names)}), found {found}"
             )
     check_solver(settings.solver)
+    if vessel.degrees_of_freedom != HORIZONTAL:
+        _check_axes(settings, vessel)
     if settings.singularity.method != "none":
         limits_of(settings.singularity, vessel)
     buses, found = len(vessel.power.buses), len(settings.power.bus_limit)
@@ -234,3 +262,21 @@ def check_settings(settings: AllocatorSettings, vessel: Vessel) -> None:
             "auto.hysteresis: expected less than auto.force_limit, or the thrusters are never held again, found "
             f"{settings.auto.hysteresis} and {settings.auto.force_limit}"
         )
+    check_method(settings, vessel)
+
+
+def _check_axes(settings: AllocatorSettings, vessel: Vessel) -> None:
+    """Refuse what only makes sense in surge, sway and yaw for a vessel that controls other axes."""
+    power = settings.power
+    refused = {
+        "azimuth_mode": settings.azimuth_mode if settings.azimuth_mode == "auto" else "",
+        "sectors.enabled": "true" if settings.sectors.enabled else "",
+        "singularity.method": settings.singularity.method if settings.singularity.method != "none" else "",
+        "power.priority": power.priority if power.limit in ("total", "both") and power.priority == "yaw" else "",
+    }
+    for name, found in refused.items():
+        if found:
+            raise InputError(
+                f"{name}: expected another value for a vessel that controls {', '.join(vessel.degrees_of_freedom)}: "
+                f"it is for surge, sway, yaw, found {found}"
+            )

@@ -15,7 +15,8 @@ from marine_model.propellers.optimal import optimal_maps
 from marine_model.thruster import AzimuthThruster
 from marine_model.vessel import Vessel
 from thruster_drivers.azimuth import AzimuthController
-from thruster_drivers.controllers import ThrusterController, make_controller, needs_pitch, tuning_of
+from thruster_drivers.code_maps import CodeMaps
+from thruster_drivers.controllers import ThrusterController, make_controller, needs_drive, needs_pitch, tuning_of
 from thruster_drivers.settings import DriverSettings
 from thruster_drivers.shaft_model import shaft_models
 from thruster_drivers.ventilation import AntiSpin, VentilationMonitor, VentilationState
@@ -24,6 +25,7 @@ NOMINAL = "nominal"
 NO_COMMAND = "no_command"
 COMMAND_STALE = "command_stale"
 SENSOR_LOST = "sensor_lost"
+SPEED_LOST = "speed_lost"
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +43,8 @@ class DriverInputs:
         Measured: Hz, N m, rad. NaN or infinite: that sensor is lost.
     pitch_ratio
         Measured P/D, looked at where the pitch is controllable; None where no thruster has one, or none is measured.
+    surge_speed
+        Speed of the vessel ahead, m/s, looked at where a law is compensated for it; None or not finite: not known.
     """
 
     thrust_command: FloatArray
@@ -50,6 +54,7 @@ class DriverInputs:
     torque: FloatArray
     azimuth: FloatArray
     pitch_ratio: FloatArray | None = None
+    surge_speed: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +79,15 @@ class DriverOutput:
         reduces it.
     status
         ``nominal``, or the name of the safe state in force: ``no_command`` (none has come yet), ``command_stale``,
-        ``sensor_lost`` (a thruster runs open loop).
+        ``sensor_lost`` (a thruster runs open loop), ``speed_lost`` (codes are those at rest).
     ventilating, beta_q, beta_q2
         Ventilation flag, torque loss factor and its memory, see
         :class:`~thruster_drivers.ventilation.VentilationState`; False, 1 and 1 where nothing is detected.
+    code
+        Integer code of a drive that takes codes, 0 of another; shape (0,) where no law in force sends codes.
+    speed_beyond
+        m/s, how far the surge speed was outside the tables of a drive that looks at it, and was clamped: below 0 by
+        the least, above 0 by the largest; 0 inside.
     """
 
     torque: FloatArray
@@ -90,6 +100,8 @@ class DriverOutput:
     ventilating: NDArray[np.bool_]
     beta_q: FloatArray
     beta_q2: FloatArray
+    code: NDArray[np.int16]
+    speed_beyond: float = 0.0
 
 
 class Drivers:
@@ -109,7 +121,8 @@ class Drivers:
     Raises
     ------
     InputError
-        If the settings ask a thruster of fixed pitch for a law that needs a controllable one.
+        If the settings ask a thruster of fixed pitch for a law that needs a controllable one, or one without a drive
+        for codes.
     """
 
     def __init__(self, vessel: Vessel, settings: DriverSettings | None = None) -> None:
@@ -137,7 +150,7 @@ class Drivers:
         self._has_pitch = [model.pitch is not None for model in self._models]
         self._any_pitch = any(self._has_pitch)
         self._controllers: list[ThrusterController] = []
-        self._laws: list[tuple[str, float]] = []
+        self._laws: list[tuple[str, float, bool]] = []
         self._taking_over: set[int] = set()  # thrusters whose law has changed since the last step
         self._last_torque = [0.0] * self._n
         self._last_pitch = list(self._own_pitch)
@@ -148,7 +161,8 @@ class Drivers:
         self._antispin = AntiSpin(vessel)
         self._no_flags: NDArray[np.bool_] = np.zeros(self._n, dtype=np.bool_)
         self._no_loss: FloatArray = np.ones(self._n)
-        for constant in (self._no_flags, self._no_loss):
+        self._no_code: NDArray[np.int16] = np.zeros(0, dtype=np.int16)
+        for constant in (self._no_flags, self._no_loss, self._no_code):
             constant.setflags(write=False)
         self.apply(settings if settings is not None else DriverSettings())
 
@@ -161,8 +175,11 @@ class Drivers:
             If they do not fit the vessel; nothing has changed then.
         """
         settings.antispin.check(self._vessel)
+        compensated = settings.code_map.compensated
+        # Name, and of the options what the law looks at: with another it is another law.
         laws = [
-            (name, settings.advance_speed if needs_pitch(name) else 0.0) for name in settings.controllers(self._vessel)
+            (name, settings.advance_speed if needs_pitch(name) else 0.0, needs_drive(name) and compensated)
+            for name in settings.controllers(self._vessel)
         ]
         changed = [j for j, law in enumerate(laws) if not self._laws or law != self._laws[j]]
         made = {j: make_controller(laws[j][0], self._models[j], tuning_of(self._gains, j, laws[j][1])) for j in changed}
@@ -170,9 +187,15 @@ class Drivers:
         self._antispin.apply(settings.antispin)
         self._controllers = [made.get(j) or self._controllers[j] for j in range(self._n)]
         self._laws = laws
+        self._code_maps = CodeMaps(self._vessel, self._controllers, compensated)
         if self._stepped:
             self._taking_over.update(changed)
         self._timeout = settings.command_timeout or self._gains.command_timeout
+
+    @property
+    def sends_codes(self) -> bool:
+        """Whether a law in force sends integer codes."""
+        return self._code_maps.any
 
     @property
     def ventilation_events(self) -> NDArray[np.int64] | None:
@@ -219,6 +242,9 @@ class Drivers:
         if self._monitor is not None:
             seen = self._monitor.step(inputs.shaft_speed, inputs.torque, dt, self._nominal_load(pitch))
         antispin = self._antispin if self._antispin.active else None
+        coded = self._code_maps if self._code_maps.any else None
+        if coded is not None:
+            coded.tell(inputs.surge_speed, azimuth)
 
         reference = self._thrust_reference
         if reference is None:
@@ -258,6 +284,8 @@ class Drivers:
             status = NO_COMMAND if age == math.inf else COMMAND_STALE
         else:
             status = SENSOR_LOST if self._sensor_lost(shaft_speed, azimuth, pitch) else NOMINAL
+            if status == NOMINAL and coded is not None and coded.lost:
+                status = SPEED_LOST
         self._stepped = True
         return DriverOutput(
             np.array(last_torque),
@@ -270,6 +298,8 @@ class Drivers:
             self._no_flags if seen is None else seen.ventilating,
             self._no_loss if seen is None else seen.beta_q,
             self._no_loss if seen is None else seen.beta_q2,
+            self._no_code if coded is None else np.array([one.code for one in self._controllers], dtype=np.int16),
+            0.0 if coded is None else coded.beyond,
         )
 
     @staticmethod

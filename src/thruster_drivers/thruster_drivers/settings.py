@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from typing import Self
 
 from pydantic import field_validator, model_validator
 
 from marine_model.errors import InputError
 from marine_model.settings import Settings, setting
+from marine_model.thruster import Thruster
 from marine_model.vessel import Vessel
-from thruster_drivers.controllers import CONTROLLERS, needs_pitch
+from thruster_drivers.controllers import CONTROLLERS, needs_drive, needs_pitch
 from thruster_drivers.ventilation.settings import AntiSpinSettings, VentilationSettings
+
+
+class CodeMapSettings(Settings):
+    """How thrust becomes an integer code."""
+
+    compensated: bool = setting(
+        True,
+        "code_map: true takes the code of a thrust at the vessel's surge speed, from odometry; false the one at rest",
+    )
 
 
 class DriverSettings(Settings):
@@ -35,6 +46,7 @@ class DriverSettings(Settings):
         ge=0.0,
         le=60.0,
     )
+    code_map: CodeMapSettings = CodeMapSettings()
     ventilation: VentilationSettings = VentilationSettings()
     antispin: AntiSpinSettings = AntiSpinSettings()
 
@@ -52,7 +64,8 @@ class DriverSettings(Settings):
         Raises
         ------
         InputError
-            If there are neither one nor as many laws as thrusters, or a thruster has not the pitch that its law needs.
+            If there are neither one nor as many laws as thrusters, or a thruster has not the pitch or the drive that
+            its law needs, or that drive's torque falls too steeply with the shaft speed for the time step.
         """
         names, n = _split(self.controller), len(vessel.thrusters)
         if len(names) == 1:
@@ -68,7 +81,13 @@ class DriverSettings(Settings):
                     f"controller: expected a law for a fixed pitch at thruster '{thruster.name}', found '{name}', "
                     "which needs a controllable pitch"
                 )
+            if needs_drive(name):
+                _check_drive(thruster, name, vessel.simulation.time_step)
         return names
+
+    def needs_speed(self, vessel: Vessel) -> bool:
+        """Return whether a law looks at the speed of ``vessel``. Raises InputError as :meth:`controllers`."""
+        return self.code_map.compensated and any(map(needs_drive, self.controllers(vessel)))
 
     @model_validator(mode="after")
     def _antispin_needs_the_observer(self) -> Self:
@@ -93,6 +112,22 @@ def check_settings(settings: DriverSettings, vessel: Vessel) -> None:
     settings.antispin.check(vessel)
     if vessel.drivers.ventilation is not None:
         settings.ventilation.resolved(vessel)
+
+
+def _check_drive(thruster: Thruster, law: str, time_step: float) -> None:
+    drive = thruster.drive
+    if drive is None:
+        raise InputError(
+            f"controller: expected a law without codes at thruster '{thruster.name}', found '{law}', "
+            "which needs a section 'drive' in the vessel file"
+        )
+    # The torque holds for a time step: above this the shaft would be braked past the speed at which it has none.
+    steepest = 2.0 * math.pi * thruster.shaft.inertia / time_step
+    if drive.torque_droop > steepest:
+        raise InputError(
+            f"controller: expected a drive.torque_droop of at most {steepest:.4g} N m/Hz at thruster '{thruster.name}' "
+            f"for '{law}', by its shaft's inertia and the time step, found {drive.torque_droop:g}"
+        )
 
 
 def _split(controller: str) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from marine_model.code_maps import CodeDrive
 from marine_model.propellers.base import PropellerModel
 from marine_model.propulsion import Propulsion
 from marine_model.thruster import PitchDrive
@@ -36,6 +37,8 @@ class ShaftModel:
         P/D of the design, where K_Tc and K_Qc hold.
     propeller, pitch
         Propeller model and pitch actuator. Without an actuator the pitch is fixed.
+    drive
+        Maps of a drive that takes integer codes; None where there is none.
     """
 
     thrust_per_speed_squared: float
@@ -51,6 +54,7 @@ class ShaftModel:
     pitch_ratio: float = math.nan
     propeller: PropellerModel | None = None
     pitch: PitchDrive | None = None
+    drive: CodeDrive | None = None
 
     def shaft_speed(self, thrust: float) -> float:
         """Return the shaft speed (Hz) for ``thrust`` (N): [Ruth] (3.8), extended by the sign of thrust.
@@ -99,6 +103,7 @@ def shaft_models(vessel: Propulsion) -> tuple[ShaftModel, ...]:
             pitch_ratio=float(vessel.pitch_ratio[j]),
             propeller=vessel.propeller_models[j],
             pitch=thruster.pitch,
+            drive=None if thruster.drive is None else thruster.drive.build(vessel.propeller_models[j], vessel.density),
         )
         for j, thruster in enumerate(vessel.thrusters)
     )

@@ -1,5 +1,7 @@
-"""Simulated vessel: hull, thrusters, waves, current, wind and sensors. The core is free of middleware."""
+"""Simulated vessel: hull or submerged body, thrusters, sea, wind and sensors. The core is free of middleware."""
 
+from vessel_sim.interface import SimulatorInputs, SimulatorOutput, SimulatorTruth, VesselSimulator
+from vessel_sim.make_simulator import make_simulator
 from vessel_sim.settings import (
     CurrentSettings,
     InitialState,
@@ -8,7 +10,8 @@ from vessel_sim.settings import (
     WaveSettings,
     WindSettings,
 )
-from vessel_sim.simulator import Simulator, SimulatorInputs, SimulatorOutput, SimulatorTruth
+from vessel_sim.simulator import Simulator
+from vessel_sim.underwater import UnderwaterSimulator
 
 __all__ = [
     "CurrentSettings",
@@ -19,6 +22,9 @@ __all__ = [
     "SimulatorOutput",
     "SimulatorSettings",
     "SimulatorTruth",
+    "UnderwaterSimulator",
+    "VesselSimulator",
     "WaveSettings",
     "WindSettings",
+    "make_simulator",
 ]

@@ -9,6 +9,10 @@ from collections.abc import Callable
 from enum import Enum
 from typing import Any
 
+# The core loads these where it first needs them; a sea or a wind that begins while running shall not wait for that.
+import scipy.integrate
+import scipy.interpolate
+import scipy.special  # noqa: F401
 from dp_msgs.msg import ActuatorSetpoint, PropulsionTruth, ThrusterFeedback
 from dp_msgs.srv import Advance
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3Stamped, WrenchStamped
@@ -18,12 +22,13 @@ from rosgraph_msgs.msg import Clock
 from dp_node import DpNode, Health, from_nanoseconds, run_node, to_nanoseconds
 from marine_model import Vessel
 from marine_model.errors import InputError
-from marine_model.frames import BODY_FRAME, MAP_FRAME, heading_to_quaternion
+from marine_model.frames import BODY_FRAME, MAP_FRAME, attitude_to_quaternion, heading_to_quaternion
 from marine_model.guards import FloatArray, finite_vector
+from vessel_sim.interface import SimulatorInputs
+from vessel_sim.make_simulator import make_simulator
 from vessel_sim.node_health import SimulatorState, health_of
 from vessel_sim.pace import Pace
 from vessel_sim.settings import check_settings
-from vessel_sim.simulator import Simulator, SimulatorInputs
 from vessel_sim.time_settings import NodeSettings
 
 _WATCH_PERIOD = 0.1  # s of wall time between two looks at the graph and at answers that are overdue
@@ -71,7 +76,7 @@ class VesselSimNode(DpNode[NodeSettings]):
     def build(self) -> None:
         """Make the core at simulated time 0, and its topics."""
         vessel = self.vessel
-        self._simulator = Simulator(vessel, self.settings)
+        self._simulator = make_simulator(vessel, self.settings)
         self._n = len(vessel.thrusters)
         self._time_step = vessel.simulation.time_step
         self._step_ns = round(self._time_step * 1e9)
@@ -372,9 +377,12 @@ class VesselSimNode(DpNode[NodeSettings]):
         self._pose.header.frame_id = MAP_FRAME
         covariance = [0.0] * 36
         covariance[7], covariance[35] = data.position_noise**2, data.heading_noise**2
+        covariance[14], covariance[21] = data.depth_noise**2, data.attitude_noise**2
+        covariance[28] = covariance[21]
         self._pose.pose.covariance = covariance
         start = self.settings.initial
         self._set_pose(self._pose.pose.pose, start.north, start.east, start.heading)
+        self._pose.pose.pose.position.z = start.depth
         self._wind = Vector3Stamped()
         self._wind.header.frame_id = BODY_FRAME
         self._feedback = ThrusterFeedback(name=list(self.vessel.thruster_names))
@@ -392,6 +400,14 @@ class VesselSimNode(DpNode[NodeSettings]):
         pose.position.x, pose.position.y = float(north), float(east)
         _, _, pose.orientation.z, pose.orientation.w = heading_to_quaternion(heading)
 
+    @staticmethod
+    def _set_pose_in_six(
+        pose: Any, north: float, east: float, depth: float, roll: float, pitch: float, heading: float
+    ) -> None:
+        pose.position.x, pose.position.y, pose.position.z = north, east, depth
+        q = pose.orientation
+        q.x, q.y, q.z, q.w = attitude_to_quaternion(roll, pitch, heading)
+
     def _send_pose(self) -> None:
         """Publish truth and measurement; a lost measurement is the last one, marked by covariance[0] = -1."""
         stamp = from_nanoseconds(self._now_ns)
@@ -406,7 +422,8 @@ class VesselSimNode(DpNode[NodeSettings]):
             message.pose.covariance[0] = -1.0
         else:
             message.pose.covariance[0] = self.vessel.measurement.position_noise**2
-            self._set_pose(message.pose.pose, *measured.tolist())
+            set_pose = self._set_pose_in_six if self.vessel.is_submerged else self._set_pose
+            set_pose(message.pose.pose, *measured.tolist())
         self._publish_pose.publish(message)
 
     def _send_wind(self, stamp: Any) -> None:
@@ -432,12 +449,18 @@ class VesselSimNode(DpNode[NodeSettings]):
         total = (low + complex(w_north, w_east)) * complex(c, -s)
         twist = message.twist.twist
         twist.linear.x, twist.linear.y, twist.angular.z = total.real, total.imag, r + w_yaw
+        if truth.vertical_position is not None and truth.vertical_velocity is not None:
+            depth, roll, pitch = truth.vertical_position.tolist()
+            self._set_pose_in_six(message.pose.pose, north, east, depth, roll, pitch, heading)
+            twist.linear.z, twist.angular.x, twist.angular.y = truth.vertical_velocity.tolist()
         self._publish_truth.publish(message)
 
         force = (truth.wave_force + truth.current_force + truth.wind_force).tolist()
         wrench = self._environment.wrench
         self._environment.header.stamp = stamp
         wrench.force.x, wrench.force.y, wrench.torque.z = force
+        if truth.current_force6 is not None:  # all there is below the surface
+            _, _, wrench.force.z, wrench.torque.x, wrench.torque.y, _ = truth.current_force6.tolist()
         self._publish_environment.publish(self._environment)
 
         propulsion = self._propulsion

@@ -149,6 +149,14 @@ class InitialState(Settings):
     heading: float = setting(
         0.0, "Heading at the start", unit="rad", ge=-2.0 * math.pi, le=2.0 * math.pi, read_only=True
     )
+    depth: float = setting(
+        0.0,
+        "Depth of the origin of a submerged vehicle at the start, one length of it unless given; 0 on the surface",
+        unit="m",
+        ge=0.0,
+        le=12_000.0,
+        read_only=True,
+    )
 
 
 class SimulatorSettings(Settings):
@@ -169,9 +177,12 @@ class SimulatorSettings(Settings):
 
     @classmethod
     def for_vessel(cls, vessel: Vessel, **overrides: Any) -> Self:
-        """Return settings with fields over thrusters written out for ``vessel``."""
+        """Return settings for ``vessel``: fields over thrusters written out, below the surface if it belongs there."""
         none = (False,) * len(vessel.thrusters)
-        return cls(**({"propulsion": PropulsionSettings(failed=none, azimuth_failed=none)} | overrides))
+        written: dict[str, Any] = {"propulsion": PropulsionSettings(failed=none, azimuth_failed=none)}
+        if vessel.is_submerged:
+            written["initial"] = InitialState(depth=vessel.hull.length)
+        return cls(**(written | overrides))
 
 
 def check_settings(settings: SimulatorSettings, vessel: Vessel) -> None:
@@ -180,8 +191,8 @@ def check_settings(settings: SimulatorSettings, vessel: Vessel) -> None:
     Raises
     ------
     InputError
-        If a field over thrusters has the wrong length, or wind is to blow on a vessel of which nobody knows what the
-        wind does to it.
+        If a field over thrusters has the wrong length, wind is to blow on a vessel of which nobody knows what the wind
+        does to it, waves are to reach a submerged one, or the depth at the start does not suit it.
     """
     n = len(vessel.thrusters)
     for name in ("failed", "azimuth_failed"):
@@ -193,4 +204,26 @@ def check_settings(settings: SimulatorSettings, vessel: Vessel) -> None:
     if speed > 0.0 and vessel.wind_forces is None:
         raise InputError(
             f"wind.speed: expected 0, because vessel '{vessel.name}' has no section wind_forces, found {speed} m/s"
+        )
+    depth = settings.initial.depth
+    if not vessel.is_submerged:
+        if depth != 0.0:
+            raise InputError(
+                f"initial.depth: expected 0, because vessel '{vessel.name}' is on the surface, found {depth} m"
+            )
+        return
+    top = 0.5 * vessel.hull.draught
+    if depth < top:
+        raise InputError(
+            f"initial.depth: expected at least {top:g} m, half the height of '{vessel.name}', so that it begins below "
+            f"the surface, found {depth} m"
+        )
+    waves = settings.waves
+    name, height = (
+        ("amplitude", waves.amplitude) if waves.kind == "regular" else ("significant_height", waves.significant_height)
+    )
+    if height > 0.0:
+        raise InputError(
+            f"waves.{name}: expected 0, because nothing is known of what waves do to '{vessel.name}' below the "
+            f"surface, found {height} m"
         )

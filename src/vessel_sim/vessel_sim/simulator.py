@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from marine_model.errors import InputError
 from marine_model.frames import wrap_angle, wrap_angles
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 from vessel_sim.current import Current
 from vessel_sim.hull import Hull, Triple
 from vessel_sim.inflow import Inflow, inflow
+from vessel_sim.interface import SimulatorInputs, SimulatorOutput, SimulatorTruth, VesselSimulator
 from vessel_sim.noise import noise_streams, own_sequence, own_stream
 from vessel_sim.propulsion import PropulsionPlant, columns
 from vessel_sim.propulsion.step import GOOD, first_bad
@@ -30,62 +29,13 @@ from vessel_sim.sail import (
     sail,
     seen,
 )
-from vessel_sim.settings import SimulatorSettings, check_settings
+from vessel_sim.settings import SimulatorSettings
 from vessel_sim.waves import Waves, hull_in_waves
 from vessel_sim.waves.components import elevation
 from vessel_sim.wind import Wind
 
 
-@dataclass(frozen=True, slots=True)
-class SimulatorInputs:
-    """Set points of the motors, held over the step; arrays of shape (n,)."""
-
-    torque: FloatArray  # N m; the motor limits it
-    azimuth_rate: FloatArray  # rad/s; the servo limits it, a tunnel thruster has none
-    pitch_ratio: FloatArray | None = None  # P/D; the actuator limits it. None: as they were last asked to be
-
-
-@dataclass(frozen=True, slots=True)
-class SimulatorOutput:
-    """Thruster sensors, and the true low-frequency motion, at one instant."""
-
-    time: float  # s since the start
-    position: FloatArray  # (3,) true low-frequency north (m), east (m), heading (rad, not wrapped)
-    velocity: FloatArray  # (3,) true low-frequency velocity over ground in the body frame
-    shaft_speed: FloatArray  # (n,) Hz, measured
-    torque: FloatArray  # (n,) N m, motor torque delivered during the step that ended now
-    power: FloatArray  # (n,) W, developed power 2 pi n Q, [Ruth] (B.3)
-    azimuth: FloatArray  # (n,) rad in [-pi, pi), measured
-    azimuth_rate: FloatArray  # (n,) rad/s
-    pitch_ratio: FloatArray  # (n,) P/D
-
-
-@dataclass(frozen=True, slots=True)
-class SimulatorTruth:
-    """What no sensor shows, at one instant; vectors of shape (3,) unless noted."""
-
-    time: float
-    position: FloatArray  # low-frequency, m, m, rad in NED
-    velocity: FloatArray  # low-frequency, over ground, m/s, m/s, rad/s in the body frame
-    wave_position: FloatArray  # first-order displacement, m, m, rad in NED
-    wave_velocity: FloatArray  # its rate of change, m/s, m/s, rad/s in NED
-    wave_force: FloatArray  # mean and slowly varying drift, N, N, N m in the body frame
-    wave_elevation: float  # of the undisturbed sea at the low-frequency place of the origin, m, positive up
-    current_force: FloatArray  # hydrodynamic force less what it would be without current, body frame
-    wind_force: FloatArray  # N, N, N m in the body frame
-    current: FloatArray  # (2,) m/s north, east
-    thruster_force: FloatArray  # N, N, N m in the body frame
-    thrust: FloatArray  # (n,) N, after losses
-    azimuth: FloatArray  # (n,) rad in [-pi, pi)
-    shaft_speed: FloatArray  # (n,) Hz
-    pitch_ratio: FloatArray  # (n,) P/D
-    thrust_loss: FloatArray  # (n,) beta_T, 1 without loss to air
-    torque_loss: FloatArray  # (n,) beta_Q
-    submergence: FloatArray  # (n,) m, depth of the shaft below the surface
-    advance_speed: FloatArray  # (n,) m/s, through the water along the direction of positive thrust
-
-
-class Simulator:
+class Simulator(VesselSimulator):
     """A vessel at rest over ground at the start, with stopped shafts and azimuths in their fixed directions.
 
     One step holds the set points. Shafts and azimuth servos are solved exactly; the hull is integrated with Heun's
@@ -112,7 +62,6 @@ class Simulator:
         self._waves = Waves(hull_in_waves(vessel), settings.waves, own_sequence(settings.seed, "sea"))
         self._plant = PropulsionPlant(vessel)
         self._inflow = Inflow(vessel)
-        self._time_step = vessel.simulation.time_step
         self._measurement = vessel.measurement
 
         n = len(vessel.thrusters)
@@ -136,39 +85,9 @@ class Simulator:
         self._plant.flood(flow if settings.propulsion.inflow else np.zeros(n), depth)
         self._output = self._observe()
 
-    @property
-    def settings(self) -> SimulatorSettings:
-        """Settings in force."""
-        return self._settings
-
-    @property
-    def time(self) -> float:
-        """Simulated time since the start, s."""
-        return self._time
-
-    @property
-    def output(self) -> SimulatorOutput:
-        """What the last step returned; before the first, the state at the start."""
-        return self._output
-
     def apply(self, settings: SimulatorSettings) -> None:
-        """Take over ``settings`` from the next step on; waves ramp, the velocity over ground does not jump.
-
-        Raises
-        ------
-        InputError
-            If they differ in what is fixed at the start (seed, initial, waves.maker_distance), or do not fit the
-            vessel; nothing is changed then.
-        """
-        check_settings(settings, self._vessel)
-        fixed: tuple[tuple[str, object, object], ...] = (
-            ("seed", self._settings.seed, settings.seed),
-            ("initial", self._settings.initial, settings.initial),
-            ("waves.maker_distance", self._settings.waves.maker_distance, settings.waves.maker_distance),
-        )
-        for name, now, asked in fixed:
-            if now != asked:
-                raise InputError(f"{name}: cannot change during a run, expected {now}, found {asked}")
+        """Take over ``settings`` from the next step on: see :class:`VesselSimulator`."""
+        self._check(settings)
         if settings.wind != self._settings.wind:
             self._wind.apply(settings.wind)
             self._outside[FORCE_X : FORCE_N + 1] = 0.0  # until the next step
@@ -182,23 +101,8 @@ class Simulator:
         self._settings = settings
 
     def step(self, inputs: SimulatorInputs, dt: float) -> SimulatorOutput:
-        """Sail on by ``dt`` and return what the thruster sensors show then.
-
-        Parameters
-        ----------
-        inputs
-            Motor set points, held over the step.
-        dt
-            s, above 0 and at most the time step of the vessel.
-
-        Raises
-        ------
-        InputError
-            If a set point has the wrong shape or is not finite, a propeller of fixed pitch is asked for another
-            than its own, or ``dt`` is out of range; nothing has moved then.
-        """
-        if not 0.0 < dt <= self._time_step * (1.0 + 1e-9):  # a dt from stamps is off by rounding
-            raise InputError(f"dt: expected above 0 and at most {self._time_step} s, found {dt}")
+        """Sail on by ``dt``: see :class:`VesselSimulator`."""
+        self._check_step(dt)
         plant, waves = self._plant, self._waves
         asked = plant.command(inputs.torque, inputs.azimuth_rate, inputs.pitch_ratio)
         if self._current_source.varies or self._wind.blows:
@@ -234,20 +138,11 @@ class Simulator:
         return self._output
 
     def check_pitch(self, pitch_ratio: FloatArray) -> None:
-        """Refuse set points of pitch that :meth:`step` would refuse, before it is too late to ask for others.
-
-        Raises
-        ------
-        InputError
-            As :meth:`step`.
-        """
+        """Refuse set points of pitch that :meth:`step` would refuse: see :class:`VesselSimulator`."""
         self._plant.check_pitch(pitch_ratio)
 
     def measure(self) -> FloatArray | None:
-        """Return the measured pose now, shape (3,): north (m), east (m), heading (rad in [-pi, pi)).
-
-        None if this measurement is lost. Asked again at the same instant, it gives the same answer.
-        """
+        """Return the measured pose now: see :class:`VesselSimulator`."""
         if self._measured is not None and self._measured[0] == self._time:
             return self._measured[1]
         noise, chance = self._pose_noise.row()
@@ -267,12 +162,7 @@ class Simulator:
         return pose
 
     def measure_wind(self) -> FloatArray | None:
-        """Return what the anemometer shows now, shape (2,): velocity of the air relative to the vessel, m/s.
-
-        Ahead and to starboard in the body frame, so that head wind has a negative first number; at the height of the
-        centroid of the lateral area. None if the vessel has no ``wind_forces``. Asked again at the same instant, it
-        gives the same answer.
-        """
+        """Return what the anemometer shows now: see :class:`VesselSimulator`."""
         if not self._has_wind_sensor:
             return None
         if self._wind_measured is not None and self._wind_measured[0] == self._time:

@@ -37,14 +37,14 @@ def same(a: ObserverEstimate, b: ObserverEstimate) -> None:
 
 def test_nothing_ahead_of_the_first_message() -> None:
     lookahead = Lookahead(Observer(VESSEL, ObserverSettings()), SAMPLE)
-    assert lookahead.run_ahead(FORCE) is None
+    assert lookahead.run_ahead(ObserverInputs(None, FORCE)) is None
     assert lookahead.stamp is None
 
 
 def test_running_ahead_is_dead_reckoning() -> None:
     lookahead, plain = start()
     for k in range(50, 53):
-        found = lookahead.run_ahead(FORCE * k)
+        found = lookahead.run_ahead(ObserverInputs(None, FORCE * k))
         assert found is not None
         estimate, stamp = found
         assert stamp == lookahead.stamp == k * SAMPLE
@@ -55,7 +55,7 @@ def test_running_ahead_is_dead_reckoning() -> None:
 def test_a_fix_after_the_time_run_ahead_keeps_it() -> None:
     lookahead, plain = start()
     for k in (50, 51):
-        lookahead.run_ahead(FORCE * k)
+        lookahead.run_ahead(ObserverInputs(None, FORCE * k))
         plain.step(ObserverInputs(None, FORCE * k), 0.2)
     inputs = ObserverInputs(place(52), FORCE)
     same(lookahead.measure(inputs, 52 * SAMPLE), plain.step(inputs, 0.2))
@@ -64,7 +64,7 @@ def test_a_fix_after_the_time_run_ahead_keeps_it() -> None:
 def test_a_fix_within_the_time_run_ahead_is_used_as_if_nothing_had_been() -> None:
     lookahead, plain = start()
     for _ in range(4):
-        lookahead.run_ahead(FORCE)
+        lookahead.run_ahead(ObserverInputs(None, FORCE))
     for k in (50, 51, 52):
         inputs = ObserverInputs(place(k), FORCE)
         same(lookahead.measure(inputs, k * SAMPLE), plain.step(inputs, 0.2))
@@ -82,5 +82,5 @@ def test_bad_input_leaves_everything_as_it_was() -> None:
 def test_new_settings_reach_both() -> None:
     lookahead, _ = start()
     assert len(lookahead.observers()) == 1
-    lookahead.run_ahead(FORCE)
+    lookahead.run_ahead(ObserverInputs(None, FORCE))
     assert len(lookahead.observers()) == 2

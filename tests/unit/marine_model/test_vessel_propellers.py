@@ -196,12 +196,13 @@ BOLLARD = "{model: bollard, diameter: 0.09, pitch_ratio: 0.93, thrust_coefficien
         (
             B_SERIES.replace("wageningen_b", "gawn"),
             "",
-            "propeller.model: expected one of bollard, wageningen_b, four_quadrant, tabulated, found 'gawn'",
+            "propeller.model: expected one of bollard, polynomial, wageningen_b, four_quadrant, tabulated, "
+            "found 'gawn'",
         ),
         (
             B_SERIES.replace("wageningen_b", "[1]"),
             "",
-            "propeller.model: expected one of bollard, wageningen_b, four_quadrant, tabulated, found [1]",
+            "propeller.model: expected one of bollard, polynomial, wageningen_b, four_quadrant, tabulated, found [1]",
         ),
         (
             BOLLARD.replace("0.0442", "0.0"),

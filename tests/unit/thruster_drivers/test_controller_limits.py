@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from support.thruster_rig import ThrusterRig, controllable_pitch_vessel
-from thruster_drivers.controllers import CONTROLLERS, make_controller, tuning_of
+from support.thruster_rig import LAWS, ThrusterRig, controllable_pitch_vessel
+from thruster_drivers.controllers import make_controller, tuning_of
 from thruster_drivers.controllers.limits import ShaftLimits
 from thruster_drivers.shaft_model import shaft_models
 
@@ -25,7 +25,7 @@ DT = 0.02
 
 
 @given(
-    st.sampled_from(CONTROLLERS),
+    st.sampled_from(LAWS),
     st.lists(
         st.tuples(st.floats(-20.0, 20.0), st.one_of(st.floats(-60.0, 60.0), st.just(math.nan))), min_size=1, max_size=20
     ),
@@ -39,7 +39,7 @@ def test_no_history_passes_the_limits_of_torque_and_power(name: str, history: li
         assert abs(2.0 * math.pi * n * output.torque) <= LIMITED.power_max * (1.0 + 1e-12)  # rounding
 
 
-@pytest.mark.parametrize("name", CONTROLLERS)
+@pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_propeller_that_loses_its_load_is_held_at_the_speed_limit(name: str, sign: float) -> None:
     controller, rig = make_controller(name, LIMITED, TUNING), ThrusterRig(LIMITED)
@@ -61,7 +61,7 @@ def test_a_propeller_that_loses_its_load_is_held_at_the_speed_limit(name: str, s
         assert sign * free.speed > 1.5 * LIMITED.speed_max  # it would have raced
 
 
-@pytest.mark.parametrize("name", CONTROLLERS)
+@pytest.mark.parametrize("name", LAWS)
 def test_speed_limit_leaves_the_largest_thrust_alone(name: str) -> None:
     limited, free = make_controller(name, LIMITED, TUNING), make_controller(name, PLAIN, TUNING)
     rigs = ThrusterRig(LIMITED), ThrusterRig(PLAIN)

@@ -13,9 +13,8 @@ from hypothesis import strategies as st
 from marine_model import load_vessel
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
-from support.thruster_rig import ThrusterRig, controllable_pitch_vessel
+from support.thruster_rig import LAWS, ThrusterRig, controllable_pitch_vessel
 from thruster_drivers import DriverInputs, DriverOutput, Drivers, DriverSettings
-from thruster_drivers.controllers import CONTROLLERS
 from thruster_drivers.shaft_model import shaft_models
 
 VESSEL = controllable_pitch_vessel()
@@ -23,7 +22,7 @@ MODELS = shaft_models(VESSEL)
 N = len(MODELS)
 DT = VESSEL.simulation.time_step
 RATE = VESSEL.thrust_rate
-PAIRS = list(permutations(CONTROLLERS, 2))
+PAIRS = list(permutations(LAWS, 2))
 
 
 class Sea:
@@ -118,7 +117,7 @@ def test_at_a_steady_reference_the_laws_of_torque_do_not_move_at_all(pair: tuple
         assert np.all(jump <= 1e-12 * np.abs(before.torque) + 1e-15)  # rounding
 
 
-@pytest.mark.parametrize("name", CONTROLLERS)
+@pytest.mark.parametrize("name", LAWS)
 def test_after_the_change_the_new_law_arrives_where_it_would_have_been(name: str) -> None:
     other = "torque" if name != "torque" else "pitch"
     changed, always = Sea(other, 0.3), Sea(name, 0.3)

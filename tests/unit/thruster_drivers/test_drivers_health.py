@@ -7,7 +7,7 @@ import math
 import pytest
 
 from dp_node import Health, Level
-from thruster_drivers.drivers import COMMAND_STALE, NO_COMMAND, NOMINAL, SENSOR_LOST
+from thruster_drivers.drivers import COMMAND_STALE, NO_COMMAND, NOMINAL, SENSOR_LOST, SPEED_LOST
 from thruster_drivers.node_health import Tally, health_of
 
 NAMES = ("bow", "port", "starboard")
@@ -34,6 +34,7 @@ def test_all_is_well() -> None:
         (NO_COMMAND, "DRIVERS-NO-COMMAND", Level.WARN),
         (COMMAND_STALE, "DRIVERS-COMMAND-STALE", Level.WARN),
         (SENSOR_LOST, "DRIVERS-SENSOR-LOST", Level.ERROR),
+        (SPEED_LOST, "DRIVERS-SPEED-LOST", Level.WARN),
     ],
 )
 def test_every_safe_state_is_an_alarm(status: str, code: str, level: Level) -> None:
@@ -58,3 +59,27 @@ def test_clipped_commands_and_ventilation_are_told_for_one_report() -> None:
     tally.reported()
     tally.feedback += 1
     assert said(tally).alarms == ()
+
+
+def test_a_clamped_speed_is_counted_and_told_where_it_matters() -> None:
+    tally = Tally(status=NOMINAL, feedback=1)
+    for beyond in (0.0, -0.04, 0.05):
+        tally.clamped(beyond)
+    health = health_of(tally, "code_map", NAMES, None, 0.1)
+    assert health.alarms == ()  # noise of an estimate near the end of a table
+    assert (health.values["speed_clamped"], health.values["speed_age_s"]) == (2, 0.1)
+    for beyond in (-0.3, 0.2):
+        tally.clamped(beyond)
+    health = health_of(tally, "code_map", NAMES, None, 0.1)
+    assert (codes(health), health.alarms[0].detail) == (["DRIVERS-SPEED-CLAMPED"], "by up to 0.3 m/s")
+    tally.reported()
+    tally.feedback += 1
+    health = health_of(tally, "code_map", NAMES, None, 0.1)
+    assert (health.alarms, health.values["speed_clamped"]) == ((), 4)
+    assert "speed_clamped" not in said(tally).values  # no law looks at it
+
+
+def test_a_feedback_that_waits_is_told_instead_of_none() -> None:
+    health = health_of(Tally(status=NOMINAL), "code_map", NAMES, None, 0.1, "odometry, which nobody publishes")
+    assert codes(health) == ["DRIVERS-WAITS"]
+    assert health.message == "thruster_feedback waits for an input: odometry, which nobody publishes"

@@ -9,7 +9,6 @@ from decimal import Decimal
 from enum import StrEnum
 
 import numpy as np
-from scipy.special import stdtrit
 
 from dp_tools.figures import FigureSpec, Measurement
 from dp_tools.interval import CONFIDENCE
@@ -66,6 +65,8 @@ def over_seeds(values: Sequence[Measurement]) -> Spread:
     mean = float(known.mean())
     if count == 1:
         return Spread(mean, values[0].low, values[0].high, least, most, count, missing)
+    from scipy.special import stdtrit  # here: its import is slow
+
     error = float(known.std(ddof=1)) / math.sqrt(count)
     half = float(stdtrit(count - 1, 0.5 + 0.5 * CONFIDENCE)) * error
     return Spread(mean, mean - half, mean + half, least, most, count, missing)

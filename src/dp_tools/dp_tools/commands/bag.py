@@ -20,15 +20,22 @@ from dp_tools.bags.info import BagInfo, bag_info
 from dp_tools.bags.repair import Repaired, repair
 from dp_tools.bags.tables import write_tables
 from dp_tools.bags.trim import trim as trim_bag
+from dp_tools.commands.bag_options import (
+    BagPath,
+    Exclude,
+    SimTime,
+    Start,
+    TimeOf,
+    TimeOfOption,
+    Topics,
+    Until,
+    warn_of_cut,
+)
 from dp_tools.commands.bag_progress import bag_size, bytes_bar, count_bar, reading
-from dp_tools.commands.replay import BagPath, Exclude, SimTime, Start, TimeOf, TimeOfOption, Topics, Until, warn_of_cut
-from dp_tools.commands.root import console, error_console
-from dp_tools.commands.up import INTERRUPTED
+from dp_tools.commands.root import INTERRUPTED, console, error_console
 from dp_tools.replay.selection import Selection
 
-bag_app = typer.Typer(
-    name="bag", help="Look into recordings, check and repair them, cut them, make tables.", no_args_is_help=True
-)
+bag_app = typer.Typer()
 
 Overwrite = Annotated[bool, typer.Option("--overwrite", metavar="", help="Replace what is there.")]
 

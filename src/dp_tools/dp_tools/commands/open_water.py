@@ -10,9 +10,7 @@ from rich.table import Table
 
 from dp_tools.commands.root import console
 
-open_water_app = typer.Typer(
-    help="One thruster by itself in a basin, and several ways to control it compared.", no_args_is_help=True
-)
+open_water_app = typer.Typer()
 
 TrialName = Annotated[str, typer.Argument(metavar="NAME|FILE", help="Trial.")]
 

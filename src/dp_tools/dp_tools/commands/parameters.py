@@ -17,11 +17,10 @@ from dp_bringup.operator_node import NoAnswerError, Operator, operator
 from dp_bringup.parameter_file import read_parameter_file, to_parameter_file, yaml_value
 from dp_bringup.parameter_service import RemoteParameters
 from dp_tools.commands.root import Namespace, console
-from dp_tools.parameter_template import parameter_template
 from marine_model import load_vessel
 from marine_model.yaml_document import parse_value
 
-parameters_app = typer.Typer(help="Read and change parameters of running nodes.", no_args_is_help=True)
+parameters_app = typer.Typer()
 
 NodeName = Annotated[str, typer.Argument(metavar="NODE", help="Node, e.g. thrust_allocator.")]
 _TYPES = {
@@ -140,6 +139,9 @@ def template(
     ] = None,
 ) -> None:
     """Write a parameter file of one node with every default, unit and meaning; needs no running graph."""
+    # Here: it loads the core of every node, and with it the compiler.
+    from dp_tools.parameter_template import parameter_template
+
     text = parameter_template(node, vessel, load_vessel(vessel))
     if output is None:
         typer.echo(text, nl=False)

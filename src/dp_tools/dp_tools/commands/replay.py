@@ -5,9 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from contextlib import nullcontext
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,16 +14,29 @@ from dp_bringup.interrupts import Interrupts
 from dp_bringup.operator_node import Operator, operator
 from dp_tools.bags.bag import Bag
 from dp_tools.bags.errors import BagError
+from dp_tools.commands.bag_options import (
+    BagPath,
+    Exclude,
+    SimTime,
+    Start,
+    TimeOf,
+    TimeOfOption,
+    Topics,
+    Until,
+    warn,
+    warn_of_cut,
+)
 from dp_tools.commands.bag_progress import reading
-from dp_tools.commands.root import Namespace, console, error_console
-from dp_tools.commands.up import INTERRUPTED
-from dp_tools.reexecution.command import Asked, replay_into
+from dp_tools.commands.root import INTERRUPTED, Namespace, console
 from dp_tools.replay.keyboard import Keyboard
 from dp_tools.replay.player import Player
 from dp_tools.replay.replay_node import CLOCK_KIND, BagClock, Outlets, offer_services
 from dp_tools.replay.schedule import Schedule, make_schedule
 from dp_tools.replay.screen import Screen
 from dp_tools.replay.selection import Selection, parse_remap
+
+if TYPE_CHECKING:
+    from dp_tools.reexecution.command import Asked
 
 NODE_NAME = "dp_replay"
 # Longest wait in which a key is not looked at, ns.
@@ -34,30 +46,6 @@ _WAKE_EARLY = 200_000
 # While messages follow each other closely, services and keys are looked at this often, ns.
 _SERVE_PERIOD = 10_000_000
 _RATE_STEP = 1.1  # as ros2 bag play
-
-
-class TimeOf(StrEnum):
-    """Which time of a message says when it is sent."""
-
-    PUBLISH = "publish"
-    LOG = "log"
-
-
-BagPath = Annotated[Path, typer.Argument(metavar="BAG", help="Folder of a bag or of a run, or one MCAP file.")]
-Start = Annotated[float | None, typer.Option(metavar="SECONDS", help="From here on, counted from the first message.")]
-Until = Annotated[float | None, typer.Option(metavar="SECONDS", help="Up to here, counted from the first message.")]
-SimTime = Annotated[
-    bool, typer.Option("--sim-time", metavar="", help="--start and --until are simulated time, by the bag's clock.")
-]
-TimeOfOption = Annotated[
-    TimeOf, typer.Option("--time", help="By the time at which messages were published, or were recorded.")
-]
-Topics = Annotated[
-    list[str] | None, typer.Option(metavar="TOPIC", help="Only these topics (* and ? allowed); repeatable.")
-]
-Exclude = Annotated[
-    list[str] | None, typer.Option(metavar="TOPIC", help="Not these topics (* and ? allowed); repeatable.")
-]
 
 
 def replay(
@@ -116,6 +104,9 @@ def replay(
     found a difference; 130 if Ctrl-C or SIGTERM cut the replay short.
     """
     if into:
+        # Here: it loads the core of every node, and with it the compiler.
+        from dp_tools.reexecution.command import Asked
+
         asked = Asked(into, verify, changes or (), output, overwrite, tolerance, only_first, namespace)
         _into(bag, asked)
         return
@@ -133,7 +124,7 @@ def replay(
             if clock is not None:
                 _expect_no_clock(opened, names)
             with operator(namespace, NODE_NAME) as one:
-                outlets = Outlets(one.node, opened, names, _warn)
+                outlets = Outlets(one.node, opened, names, warn)
                 schedule = make_schedule(opened, outlets.played, time_of.value, start, until, sim_time)
                 run = _Replay(one, outlets, schedule)
                 bag_clock = BagClock(one.node, "clock", clock, schedule.origin) if clock else None
@@ -147,6 +138,8 @@ def replay(
 
 def _into(bag: Path, asked: Asked) -> None:
     """Re-execute nodes."""
+    from dp_tools.reexecution.command import replay_into
+
     try:
         with Interrupts(), reading(bag) as opened:
             warn_of_cut(opened)
@@ -232,16 +225,6 @@ def _tell(player: Player) -> None:
         late += f"{mean * 1e-6:.3f} ms on average"
     rounds = f" in {player.rounds} whole rounds" if player.rounds else ""
     console.print(f"sent    {player.sent} messages{rounds}{late}", highlight=False, soft_wrap=True)
-
-
-def _warn(text: str) -> None:
-    error_console.print(f"warning: {text}", markup=False, highlight=False, soft_wrap=True)
-
-
-def warn_of_cut(bag: Bag) -> None:
-    """Say of every file of a bag that ends too early that it does."""
-    for path, error in bag.cut_off.items():
-        _warn(f"{path}: the recording was not closed; the bag ends where the file does ({error})")
 
 
 def _expect_no_clock(bag: Bag, names: Mapping[str, str]) -> None:

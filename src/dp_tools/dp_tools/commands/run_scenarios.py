@@ -19,12 +19,10 @@ from dp_tools.campaign.order import Order, Outcome
 from dp_tools.campaign.plan import RunPlan, plan
 from dp_tools.campaign.summary import SUMMARY_NAME, RunSummary
 from dp_tools.campaign.workers import RunFailedError, fill_all
-from dp_tools.commands.root import console, error_console
+from dp_tools.commands.root import INTERRUPTED, console, error_console
 from dp_tools.run_folder import RunFolder
 from marine_model import load_vessel
 from marine_model.errors import DpError
-
-INTERRUPTED = 130  # as shells say for a command that Ctrl-C ended
 
 _ONE_SEED_FOLDER = ".seed"
 

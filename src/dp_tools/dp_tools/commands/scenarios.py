@@ -11,7 +11,7 @@ from dp_tools.commands.root import console
 from dp_tools.commands.run_scenarios import run
 from dp_tools.scenario import load_scenario, scenario_names
 
-scenario_app = typer.Typer(help="Scenarios: list, check, sail and judge them.", no_args_is_help=True)
+scenario_app = typer.Typer()
 scenario_app.command("run")(run)
 
 

@@ -17,14 +17,12 @@ from dp_bringup.processes import Child, ChildDiedError
 from dp_bringup.supervisor import CannotStartError, Rules
 from dp_tools.commands.record import DEFAULT, Compression
 from dp_tools.commands.report import write_and_tell
-from dp_tools.commands.root import Namespace, console, error_console
+from dp_tools.commands.root import INTERRUPTED, Namespace, console, error_console
 from dp_tools.graph_run import GraphRun, Supervision, UncleanStopError
 from dp_tools.run_files import Pace
 from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario, load_scenario
 from marine_model import load_vessel
-
-INTERRUPTED = 130  # as shells say for a command that Ctrl-C ended
 
 
 def up(

@@ -16,7 +16,7 @@ from marine_model.froude import scaled
 from marine_model.load import vessel_names
 from marine_model.section_text import section_text
 
-vessel_app = typer.Typer(help="Vessels: list them, check a file, scale one.", no_args_is_help=True)
+vessel_app = typer.Typer()
 
 _Vessel = Annotated[str, typer.Argument(metavar="VESSEL", help="Vessel, by name or file.")]
 

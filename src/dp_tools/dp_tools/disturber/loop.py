@@ -13,6 +13,7 @@ import numpy as np
 
 from dp_node import SourceRestartError, StampSequence, from_nanoseconds
 from dp_observer import ObserverEstimate, ObserverInputs, ObserverStatus
+from dp_observer.alarm_codes import codes_of
 from dp_observer.frozen_fix import FrozenFix
 from dp_observer.lookahead import Lookahead
 from dp_observer.observer import Observer
@@ -28,14 +29,6 @@ from marine_model.settings import with_parameters
 
 REFUSED = "NODE-INPUT-REFUSED"
 RESTARTED = "NODE-SOURCE-RESTARTED"
-# As the observer's node reports them.
-_BY_STATUS = {
-    ObserverStatus.UNINITIALISED: "OBSERVER-NO-FIX-YET",
-    ObserverStatus.DEAD_RECKONING: "OBSERVER-DEAD-RECKONING",
-    ObserverStatus.OUTLIER_REFUSED: "OBSERVER-FIX-REFUSED",
-    ObserverStatus.INVALID: "OBSERVER-ESTIMATE-INVALID",
-    ObserverStatus.REINITIALISED: "OBSERVER-REINITIALISED",
-}
 _REPORT = 1_000_000_000  # ns between two reports of health, as on /diagnostics in real time
 
 
@@ -53,15 +46,7 @@ class _Second:
 
     def codes(self) -> list[str]:
         """Return the alarms of the report."""
-        found = [_BY_STATUS[self.status]] if self.status in _BY_STATUS else []
-        if self.reinitialised:
-            found.append(_BY_STATUS[ObserverStatus.REINITIALISED])
-        if not self.poses:
-            found.append("OBSERVER-NO-POSE")
-        elif self.missing:
-            found.append("OBSERVER-MEASUREMENTS-LOST")
-        if self.poses and self.frozen:
-            found.append("OBSERVER-FIX-FROZEN")
+        found = codes_of(self.status, self.reinitialised, self.poses, self.missing, self.frozen)
         if self.refused:
             found.append(REFUSED)
         if self.began_anew:
@@ -153,7 +138,7 @@ class DisturbedLoop(ClosedLoop):
                 observed = observed or heard
                 answer = found or answer
         if not observed:
-            made = self._ahead.run_ahead(self._tau_achieved)
+            made = self._ahead.run_ahead(ObserverInputs(None, self._tau_achieved))
             if made is not None:
                 self._second.missing += 1
                 answer = made

@@ -263,7 +263,7 @@ INPUTS: Mapping[str, tuple[str, ...]] = {
     OBSERVER: ("pose", "tau_achieved"),
     CONTROLLER: ("odometry", "tau_achieved", "setpoint", "joystick", "path", "wind"),
     ALLOCATOR: ("tau_desired", "thruster_feedback", "ventilation"),
-    DRIVERS: ("thruster_feedback", "thruster_command"),
+    DRIVERS: ("thruster_feedback", "thruster_command", "odometry"),
     SIMULATOR: ("actuator_setpoint",),
 }
 

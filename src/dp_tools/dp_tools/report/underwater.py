@@ -37,9 +37,9 @@ def below(scene: Scene, span: Span) -> Picture:
                 continue
             values = series.values[:, i]
             panels.draw(i, series.t, values if i == 0 else np.degrees(values), label, color, **line)
-    panels.axes[0].invert_yaxis()
     for i, height in enumerate(_HEIGHTS):
         panels.at_least(i, height)
+    panels.axes[0].invert_yaxis()
     return Picture(
         "Depth, roll and pitch",
         "Depth grows downwards. What the vehicle does not control has no reference: it stays upright by itself.",

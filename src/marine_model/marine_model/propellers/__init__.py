@@ -4,6 +4,7 @@ from marine_model.propellers.base import OutOfRangeWarning, PropellerModel
 from marine_model.propellers.bollard import BollardPropeller
 from marine_model.propellers.bollard_row import BollardPropellers
 from marine_model.propellers.four_quadrant import FourQuadrantPropeller
+from marine_model.propellers.polynomial import PolynomialPropeller
 from marine_model.propellers.scaling import FroudeScale, ModelRun, ScalingCheck, check_scaling
 from marine_model.propellers.tabulated import TabulatedPropeller
 from marine_model.propellers.wageningen_b import WageningenBPropeller
@@ -15,6 +16,7 @@ __all__ = [
     "FroudeScale",
     "ModelRun",
     "OutOfRangeWarning",
+    "PolynomialPropeller",
     "PropellerModel",
     "ScalingCheck",
     "TabulatedPropeller",

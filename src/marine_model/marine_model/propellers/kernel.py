@@ -1,8 +1,9 @@
 """Thrust and torque of one propeller as machine code, from the packed parameters of any model (``PropellerModel.row``).
 
 Two kinds of row are enough for all models. ``PIECEWISE``: K_T and K_Q are polynomials in advance number and pitch
-ratio, piece by piece; bollard and linear propellers, the Wageningen B-series and tables are that exactly. ``FOURIER``:
-C_T and C_Q are Fourier series of the advance angle. In both, the pitch ratio is held to the range of the model.
+ratio, piece by piece; bollard, linear and polynomial propellers, the Wageningen B-series and tables are that exactly.
+``FOURIER``: C_T and C_Q are Fourier series of the advance angle. In both, the pitch ratio is held to the range of the
+model.
 ``LINEAR`` is a ``PIECEWISE`` row of one piece that is linear in the advance number at one pitch: it is its own tangent.
 
 A first-quadrant model (``PIECEWISE``) goes on outside its range: below J = 0 along its tangent at 0, beyond the end

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize_scalar
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
@@ -137,6 +136,8 @@ def best_point(model: PropellerModel, pitch_range: tuple[float, float] | None = 
     InputError
         If efficiency still rises where the model ends, so that there is no best point; or there is no thrust.
     """
+    from scipy.optimize import minimize_scalar  # here: its import is slow
+
     low, high = pitch_range or model.pitch_range or (model.pitch_ratio, model.pitch_ratio)
 
     def peak(pitch: float) -> tuple[float, float]:

@@ -16,7 +16,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
@@ -58,6 +57,8 @@ class OptimalMaps:
     """
 
     def __init__(self, model: PropellerModel, pitch_range: tuple[float, float] | None = None) -> None:
+        from scipy.interpolate import PchipInterpolator  # here: its import is slow
+
         self.pitch_range = _pitch_range(model, pitch_range)
         tau = TAU_MAX * np.linspace(0.0, 1.0, _TAU_POINTS)
         best = optimal_pitch(model, tau, self.pitch_range)
@@ -246,6 +247,8 @@ def _pitch_range(model: PropellerModel, pitch_range: tuple[float, float] | None)
 
 def _least(pitch: FloatArray, cost: FloatArray) -> FloatArray:
     """Return where every row of a smooth cost over pitch ratios is least, between the points too."""
+    from scipy.interpolate import CubicSpline  # here: its import is slow
+
     pieces = CubicSpline(pitch, cost, axis=1).c  # (4, pieces, rows), highest power of the distance into a piece first
     rows, nearest = np.arange(len(cost)), np.argmin(cost, axis=1)
     best, least = pitch[nearest], cost[rows, nearest]

@@ -10,9 +10,10 @@ from marine_model.errors import InputError
 from marine_model.propellers.base import PropellerModel
 from marine_model.propellers.bollard import BollardPropeller
 from marine_model.propellers.four_quadrant import FourQuadrantPropeller, series_fault
+from marine_model.propellers.polynomial import PolynomialPropeller
 from marine_model.propellers.tabulated import TabulatedPropeller, pitch_range, table_fault
 from marine_model.propellers.wageningen_b import AREA_RATIO, BLADES, PITCH_RATIO, WageningenBPropeller
-from marine_model.schema import FieldError, Positive, Section
+from marine_model.schema import FieldError, Positive, Section, Vector3
 from marine_model.units import Unit
 
 Numbers = Annotated[tuple[float, ...], Field(strict=False), Unit("1")]
@@ -41,6 +42,30 @@ class BollardData(Section):
             self.thrust_slope,
             self.torque_slope,
         )
+
+
+class PolynomialData(Section):
+    """Open-water coefficients quadratic in the advance number, [Kostenko] (2)."""
+
+    model: Literal["polynomial"]
+    diameter: Annotated[Positive, Unit("m")]
+    pitch_ratio: Plain  # P/D
+    thrust_polynomial: Annotated[Vector3, Unit("1")]  # K_T0, K_T1, K_T2
+    torque_polynomial: Annotated[Vector3, Unit("1")]  # K_M0, K_M1, K_M2
+
+    @model_validator(mode="after")
+    def _falls(self) -> Self:
+        try:
+            self.build()
+        except InputError as error:
+            name, _, message = str(error).partition(": ")
+            field, _, index = name.partition("[")
+            raise FieldError((field, *([int(index[:-1])] if index else [])), message) from error
+        return self
+
+    def build(self) -> PropellerModel:
+        """Return the model."""
+        return PolynomialPropeller(self.diameter, self.pitch_ratio, self.thrust_polynomial, self.torque_polynomial)
 
 
 class WageningenBData(Section):
@@ -149,7 +174,7 @@ class TabulatedData(Section):
 
 # Models whose data may be in a file, named by a field ``file``, and the field that its content stands for.
 DATA_FIELDS = {"four_quadrant": "series", "tabulated": "table"}
-MODELS = ("bollard", "wageningen_b", "four_quadrant", "tabulated")
+MODELS = ("bollard", "polynomial", "wageningen_b", "four_quadrant", "tabulated")
 
 
 def _check_pitch(known: tuple[float, ...], design: float) -> None:
@@ -175,6 +200,8 @@ def _told_apart(value: Any) -> Any:
 
 
 PropellerData = Annotated[
-    Annotated[BollardData | WageningenBData | FourQuadrantData | TabulatedData, Field(discriminator="model")],
+    Annotated[
+        BollardData | PolynomialData | WageningenBData | FourQuadrantData | TabulatedData, Field(discriminator="model")
+    ],
     BeforeValidator(_told_apart),
 ]

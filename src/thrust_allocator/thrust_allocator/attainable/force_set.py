@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from marine_model import Vessel
+from marine_model.axes import HORIZONTAL, axis_indices
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_vector
-from marine_model.thruster_configuration import cartesian_configuration, polar_configuration
 from thrust_allocator.singularity import scaling_of
 
 
@@ -76,7 +76,7 @@ def force_set(
     thrust_limit_scale: ArrayLike | None = None,
     can_rotate: Sequence[bool] | None = None,
 ) -> ForceSet:
-    """Return what the thrusters of a vessel can give.
+    """Return what the thrusters of a vessel can give in surge, sway and yaw, whatever else it controls.
 
     Parameters
     ----------
@@ -108,11 +108,10 @@ def force_set(
     lower, upper = vessel.thrust_min * limits, vessel.thrust_max * limits
     # A disc is as wide as the stronger of both ways.
     upper = np.where(turns, np.maximum(upper, -lower), upper)
-    polar = polar_configuration(vessel.lever_x, vessel.lever_y, angles)
-    cartesian = cartesian_configuration(vessel.lever_x, vessel.lever_y)
-    n = len(limits)
-    first = np.where(turns, cartesian[:, :n], polar).T
-    second = np.where(turns, cartesian[:, n:], 0.0).T
+    columns = vessel.columns6[:, axis_indices(HORIZONTAL)]
+    along = columns[:, :, 0] * np.cos(angles)[:, None] + columns[:, :, 1] * np.sin(angles)[:, None]
+    first = np.where(turns[:, None], columns[:, :, 0], along)
+    second = np.where(turns[:, None], columns[:, :, 1], 0.0)
     return ForceSet(
         np.ascontiguousarray(first),
         np.ascontiguousarray(second),

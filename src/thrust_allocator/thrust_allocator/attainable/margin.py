@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike
 
 from marine_model import Vessel
 from marine_model.compiled import compiled
-from marine_model.errors import InputError
-from marine_model.guards import FloatArray, finite_vector
+from marine_model.guards import FloatArray
 from thrust_allocator.attainable.boundary import turning_reach, zonotope_reach
-from thrust_allocator.attainable.force_set import ForceSet, flags, force_set, limit_fraction
+from thrust_allocator.attainable.force_set import ForceSet, flags, limit_fraction
 from thrust_allocator.singularity import scaling_of
 
 
@@ -23,45 +22,6 @@ class Margin(NamedTuple):
 
     fixed: float  # with the present angles
     turning: float  # once every thruster that can turn points the best way
-
-
-def scale_to_boundary(
-    vessel: Vessel,
-    azimuth: ArrayLike | None,
-    direction: ArrayLike,
-    *,
-    enabled: Sequence[bool] | None = None,
-    thrust_limit_scale: ArrayLike | None = None,
-) -> float:
-    """Return the largest s >= 0 such that ``s * direction`` is attainable.
-
-    Exact: in closed form at given angles, to 1e-12 of the whole thrust with turning thrusters. 0 where nothing of the
-    direction is attainable. Rate limits and forbidden sectors do not count.
-
-    Parameters
-    ----------
-    vessel
-        The vessel.
-    azimuth
-        Directions of all thrusters, shape (n,), rad; a tunnel keeps its own whatever stands here. Thrust of each is
-        within its limits, so that the attainable set is a zonotope. None: azimuth thrusters turn freely, and each gives
-        any force within a disc.
-    direction
-        Generalized force, shape (3,): N, N, N m in the body frame, of any length but zero.
-    enabled
-        n bools; False: the thruster is lost.
-    thrust_limit_scale
-        Fraction of both thrust limits that may be used, shape (n,), 0 to 1.
-
-    Raises
-    ------
-    InputError
-        If a shape is wrong, a number is not finite or out of range, or the direction is zero.
-    """
-    along = finite_vector("direction", direction, 3)
-    if not along.any():
-        raise InputError("direction: expected a generalized force other than zero, found [0.0, 0.0, 0.0]")
-    return reach(force_set(vessel, azimuth, enabled=enabled, thrust_limit_scale=thrust_limit_scale), along)[0]
 
 
 def reach(forces: ForceSet, direction: FloatArray) -> tuple[float, FloatArray]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import nnls
 
 from marine_model.guards import FloatArray
 from thrust_allocator.program.active_set import polish, pull_of, solve
@@ -31,9 +30,10 @@ class ActiveSetSolver(Solver):
             return None
         weights = problem.weights
         corners, count = problem.polygons()
-        multiplier, force, face = np.zeros(3), np.zeros((len(count), 2)), np.zeros(len(count), dtype=np.int64)
+        m = len(problem.tau)
+        multiplier, force, face = np.zeros(m), np.zeros((len(count), 2)), np.zeros(len(count), dtype=np.int64)
         what = (weights.columns, weights.thrust, corners, count, 1.0 / weights.slack, problem.tau)
-        work = np.zeros((3, 4))
+        work = np.zeros((m, m + 1))
         steps = solve(*what, multiplier, force, face, work)
         if steps < 0:
             return None
@@ -49,8 +49,10 @@ def solution_of(problem: AllocationProblem, force: FloatArray, multiplier: Float
     problem
         What was solved.
     force, multiplier, steps
-        Cartesian thrusts (n, 2), N; multipliers of the generalized force, (3,); steps it took.
+        Cartesian thrusts (n, 2), N; multipliers of the generalized force, (m,); steps it took.
     """
+    from scipy.optimize import nnls  # here: its import is slow, and no step of the allocator needs it
+
     weights, k = problem.weights, problem.bounds
     columns = weights.columns
     z = np.empty(problem.variables)

@@ -10,7 +10,6 @@ import numpy as np
 
 from marine_model import Vessel
 from marine_model.guards import FloatArray
-from marine_model.thruster_configuration import polar_configuration
 from thrust_allocator.plan.phase import LOST, ROTATING
 from thrust_allocator.plan.polygon import CORNERS, rotating_rows
 from thrust_allocator.program.active_set import IntArray
@@ -48,18 +47,17 @@ class Weights:
 
     Attributes
     ----------
-    lever_x, lever_y
-        Thruster positions, shape (n,), m.
+    columns
+        Generalized force of a newton along n_1 and n_2 of every thruster, shape (n, m, 2): (4.24) by thruster.
     slack
-        Diagonal of (gamma W_v)^2, shape (3,).
+        Diagonal of (gamma W_v)^2, shape (m,), one for every degree of freedom of the vessel.
     thrust
         Diagonal of W_u^2, shape (n,).
     zero_region
         c_2.
     """
 
-    lever_x: FloatArray
-    lever_y: FloatArray
+    columns: FloatArray
     slack: FloatArray
     thrust: FloatArray
     zero_region: float
@@ -69,25 +67,17 @@ class Weights:
         """Return the weights of ``vessel``."""
         gains = vessel.allocator
         return cls(
-            vessel.lever_x,
-            vessel.lever_y,
+            # A copy: compiled routines take read-only arrays for another type and would be compiled twice.
+            vessel.columns.copy(),
             (gains.slack_gain * np.array(gains.slack_weight)) ** 2,
             np.array(gains.thrust_weight) ** 2,
             gains.zero_region,
         )
 
-    @property
-    def columns(self) -> FloatArray:
-        """Generalized force of a newton along either body axis, shape (n, 3, 2): (4.24), thruster by thruster."""
-        columns = np.zeros((len(self.lever_x), 3, 2))
-        columns[:, 0, 0] = columns[:, 1, 1] = 1.0
-        columns[:, 2, 0], columns[:, 2, 1] = -self.lever_y, self.lever_x
-        return columns
-
 
 @dataclass(frozen=True, slots=True)
 class SlackForm:
-    """The same problem with the slack as a variable: x = [z (m), s (3)], (4.20)-(4.22).
+    """The same problem with the slack as a variable: x = [z, s], (4.20)-(4.22).
 
     Minimise x' P x / 2 subject to E x = tau, G x <= h and lower <= x <= upper. Its Hessian is diagonal, and ``scale``
     times that of the problem, which brings its weights from 1..1e8 to 1e-4..1e4: solvers that lose accuracy on the
@@ -125,7 +115,7 @@ class AllocationProblem:
     plans
         What every thruster may do in this step, shape (n, 6), see :class:`phase.Plan`. A lost one has no variable.
     tau
-        Demanded generalized force, shape (3,), N, N, N m.
+        Demanded generalized force over the degrees of freedom, shape (m,), N or N m.
     coupling
         Limits shared by several thrusters, if any.
     polygons
@@ -152,9 +142,10 @@ class AllocationProblem:
         self.rotating: tuple[int, ...] = tuple(rotating.tolist())
         k, r = len(fixed), len(rotating)
         m = k + 2 * r
-        self.B = np.empty((3, m))
-        self.B[:, :k] = polar_configuration(weights.lever_x[fixed], weights.lever_y[fixed], plans[fixed, 3])
         columns = weights.columns
+        self.B = np.empty((len(self.tau), m))
+        directions = np.column_stack((np.cos(plans[fixed, 3]), np.sin(plans[fixed, 3])))
+        self.B[:, :k] = (columns[fixed] * directions[:, None, :]).sum(axis=2).T
         for i, j in enumerate(rotating):
             self.B[:, k + 2 * i : k + 2 * i + 2] = columns[j]
         gain = self.B.T * weights.slack
@@ -170,7 +161,6 @@ class AllocationProblem:
             rows[at, k + 2 * i : k + 2 * i + 2] = found[:, :2]
             limits[at] = found[:, 2]
         if coupling is not None:
-            directions = np.column_stack((np.cos(plans[fixed, 3]), np.sin(plans[fixed, 3])))
             shared = np.empty((len(coupling.b), m))
             shared[:, :k] = (coupling.a[:, fixed] * directions).sum(axis=2)
             shared[:, k:] = coupling.a[:, rotating].reshape(len(coupling.b), 2 * r)
@@ -232,20 +222,20 @@ class AllocationProblem:
         return 0.5 * float(self.weights.slack @ slack**2 + self.variable_weights @ z**2)
 
     def slack(self, z: FloatArray) -> FloatArray:
-        """Return s = tau - B z, shape (3,)."""
+        """Return s = tau - B z, shape (m,)."""
         return self.tau - self.B @ z
 
     def slack_form(self) -> SlackForm:
         """Return the problem with the slack as a variable."""
-        m, k = self.variables, self.bounds
+        m, k, p = self.variables, self.bounds, len(self.tau)
         scale = _SLACK_FORM_WEIGHT / float(self.weights.slack.min())
-        lower, upper = np.full(m + 3, -np.inf), np.full(m + 3, np.inf)
+        lower, upper = np.full(m + p, -np.inf), np.full(m + p, np.inf)
         lower[:k], upper[:k] = self.b_lower[:k], self.b_upper[:k]
         return SlackForm(
             P=np.diag(scale * np.concatenate([self.variable_weights, self.weights.slack])),
-            E=np.hstack([self.B, np.eye(3)]),
+            E=np.hstack([self.B, np.eye(p)]),
             tau=self.tau.copy(),
-            G=np.hstack([self.A, np.zeros((len(self.A), 3))]),
+            G=np.hstack([self.A, np.zeros((len(self.A), p))]),
             h=self.b_upper[k:].copy(),
             lower=lower,
             upper=upper,

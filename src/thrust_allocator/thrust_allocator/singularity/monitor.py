@@ -50,6 +50,11 @@ class MonitorReading(NamedTuple):
     projection_angle: float
     projection_length: float
 
+    @classmethod
+    def unknown(cls, axes: int) -> MonitorReading:
+        """Return a reading of nothing, with a direction over ``axes``."""
+        return cls(np.nan, np.nan, np.nan, np.full(axes, np.nan), np.nan, np.nan)
+
 
 def monitor(
     scaling: Scaling,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 from thruster_drivers.controllers.base import ControlOutput, ThrusterController
+from thruster_drivers.controllers.code_map import CodeMapController
 from thruster_drivers.controllers.combined import CombinedController
 from thruster_drivers.controllers.pitch import PitchController
 from thruster_drivers.controllers.power import PowerController
@@ -25,6 +26,7 @@ ControllerName = Literal[
     "torque_pitch",
     "shaft_speed_pitch",
     "torque_shaft_speed",
+    "code_map",
 ]
 CONTROLLERS: tuple[ControllerName, ...] = get_args(ControllerName)
 
@@ -37,6 +39,7 @@ _LAWS: dict[str, type[ThrusterController]] = {
     "torque_pitch": TorquePitchController,
     "shaft_speed_pitch": ShaftSpeedPitchController,
     "torque_shaft_speed": TorqueShaftSpeedController,
+    "code_map": CodeMapController,
 }
 
 
@@ -46,7 +49,7 @@ def make_controller(kind: str, model: ShaftModel, tuning: Tuning) -> ThrusterCon
     Raises
     ------
     InputError
-        If the law works through the pitch and the thruster's is fixed.
+        If the law works through the pitch and the thruster's is fixed, or through a drive and the thruster has none.
     """
     return _LAWS[kind](model, tuning)
 
@@ -56,8 +59,14 @@ def needs_pitch(kind: str) -> bool:
     return _LAWS[kind].needs_pitch
 
 
+def needs_drive(kind: str) -> bool:
+    """Whether ``kind``, one of ``CONTROLLERS``, works through a drive that takes integer codes."""
+    return _LAWS[kind].needs_drive
+
+
 __all__ = [
     "CONTROLLERS",
+    "CodeMapController",
     "CombinedController",
     "ControlOutput",
     "ControllerName",
@@ -71,6 +80,7 @@ __all__ = [
     "TorqueShaftSpeedController",
     "Tuning",
     "make_controller",
+    "needs_drive",
     "needs_pitch",
     "tuning_of",
 ]

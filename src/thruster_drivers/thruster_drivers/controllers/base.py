@@ -43,6 +43,12 @@ class ThrusterController(ABC):
     needs_pitch = False
     """Whether the law works through a controllable pitch."""
 
+    needs_drive = False
+    """Whether the law works through a drive that takes integer codes."""
+
+    code: int = 0
+    """What the last step sends to a drive that takes integer codes; 0 from a law that sends none."""
+
     shaft_speed_reference: float = 0.0
     """Hz, n_d of the last step: what a law controls the shaft to, or, where it controls torque or power, the speed at
     which the thrust reference would be met, to hold the measured one against."""

@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from marine_model.compiled import inlined
 from marine_model.errors import InputError
@@ -52,6 +51,8 @@ def response_table(direction: FloatArray, values: FloatArray) -> FloatArray:
     InputError
         If the directions do not begin at 0 or do not end at pi.
     """
+    from scipy.interpolate import CubicSpline  # here: its import is slow
+
     if direction.size < 2 or abs(direction[0]) > 1e-9 or abs(direction[-1] - math.pi) > 1e-9:
         raise InputError(f"direction: expected relative directions from 0 to pi, found {direction.tolist()}")
     table = np.empty((values.shape[0], NODES, 2 * FUNCTIONS))

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import cumulative_trapezoid, quad
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_number, positive_number
@@ -58,6 +57,8 @@ class Jonswap:
 
     @cached_property
     def _shape_integral(self) -> float:
+        from scipy.integrate import quad  # here: its import is slow
+
         below, _ = quad(self._shape, 0.0, 1.0)
         above, _ = quad(self._shape, 1.0, 3.0)
         tail, _ = quad(self._shape, 3.0, math.inf)
@@ -87,6 +88,8 @@ class Jonswap:
         cutoff
             Highest frequency over that of the peak.
         """
+        from scipy.integrate import cumulative_trapezoid  # here: its import is slow
+
         x = np.linspace(0.1, cutoff, _GRID)
         energy = cumulative_trapezoid(self._shape(x), x, initial=0.0)
         return np.interp(np.asarray(share, dtype=np.float64), energy / energy[-1], x) * self.peak_frequency

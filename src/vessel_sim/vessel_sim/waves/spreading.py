@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import betaincinv
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray, finite_number
@@ -28,6 +27,8 @@ def spread_directions(share: ArrayLike, exponent: float) -> FloatArray:
     InputError
         If ``exponent`` is not above 0.
     """
+    from scipy.special import betaincinv  # here: its import is slow
+
     if finite_number("exponent", exponent) <= 0.0:
         raise InputError(f"exponent: expected a number above 0, found {exponent}")
     beside = 2.0 * np.asarray(share, dtype=np.float64) - 1.0

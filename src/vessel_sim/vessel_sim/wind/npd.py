@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.special import hyp2f1
 
 from marine_model.guards import FloatArray
 
@@ -48,6 +47,8 @@ def variance_below(frequency: FloatArray, mean: float, height: float) -> FloatAr
 
     The integral of (1 + (a f)^n)^-p is f 2F1(p, 1/n; 1 + 1/n; -(a f)^n).
     """
+    from scipy.special import hyp2f1  # here: its import is slow
+
     level, time = _level_and_time(mean, height)
     inverse = 1.0 / _EXPONENT
     return np.asarray(
