@@ -52,6 +52,9 @@ class Controller:
     is switched on or off, or no wind is measured, the integral of an automatic axis takes over the difference, so that
     the demand stays as it is.
 
+    Of a submerged vehicle heave, roll and pitch are controlled in the same way, :class:`VerticalController`. A mode for
+    all axes is for those that the vehicle has; in the others the demand is zero.
+
     The clock of the controller reads 0 at the first step, and ``dt`` more at each later one.
 
     Parameters
@@ -59,12 +62,13 @@ class Controller:
     vessel
         Gains and limits come from ``vessel.controller``.
     settings
-        What the operator may change.
+        What the operator may change; defaults that fit the vessel if None.
 
     Raises
     ------
     InputError
-        If feed-forward is enabled and the vessel has no ``wind_forces``.
+        If feed-forward is enabled and the vessel has no ``wind_forces``, or an axis is to be controlled that is not
+        among its degrees of freedom.
     """
 
     def __init__(self, vessel: Vessel, settings: ControllerSettings | None = None) -> None:
@@ -73,7 +77,7 @@ class Controller:
         self._velocity_max = gains.reference.velocity_max
         self._gap_max = _LONGEST_GAP * vessel.measurement.sample_time
         self._vessel = vessel
-        self._settings = settings if settings is not None else ControllerSettings()
+        self._settings = settings if settings is not None else ControllerSettings.for_vessel(vessel)
         check_settings(self._settings, vessel)
         self._feedforward = WindFeedforward(vessel)
         self._pid = NonlinearPid(*self._scaled_gains())
@@ -139,6 +143,16 @@ class Controller:
             axes = ", ".join(f"{axis} {mode}" for axis, mode in modes.items())
             self._message = f"accepted: mode {settings.mode}: {axes}"
 
+    @property
+    def axis_modes(self) -> AxisModes:
+        """Modes of surge, sway and yaw in force: off in an axis that the vessel has not."""
+        return self._axis_modes(self._settings)
+
+    @property
+    def vertical_modes(self) -> AxisModes | None:
+        """Modes of heave, roll and pitch in force, likewise; None for a vessel on the surface."""
+        return None if self._vertical is None else self._vertical.modes()
+
     def _modes(self, settings: ControllerSettings) -> dict[str, AxisMode]:
         """Return the mode of every axis that the operator has a say in."""
         modes = dict(zip(AXES, self._axis_modes(settings), strict=True))
@@ -148,7 +162,6 @@ class Controller:
         return modes
 
     def _axis_modes(self, settings: ControllerSettings) -> AxisModes:
-        """Return the mode of surge, sway and yaw: off in an axis that the vehicle has not."""
         if self._vertical is None:
             return settings.axis_modes
         axes = self._vessel.degrees_of_freedom
@@ -158,7 +171,8 @@ class Controller:
     def set_setpoint(self, position: ArrayLike) -> None:
         """Give a set point for the automatic axes.
 
-        Where no axis can follow it (none is automatic, or the vessel tracks a path), it waits until one can.
+        Where no axis can follow it (none is automatic, or the vessel tracks a path), it waits until one can. A path
+        does not lead depth, roll and pitch: they follow a set point in mode tracking too.
 
         Parameters
         ----------
@@ -181,7 +195,9 @@ class Controller:
             self._vertical.set_setpoint(below)
             text += f", depth {below[0]:.3f} m, roll {below[1]:.4f} rad, pitch {below[2]:.4f} rad"
         if self._settings.mode == "tracking":
-            text += "; waits for the end of mode tracking"
+            follows = ", ".join(axis for axis in automatic if axis in VERTICAL)
+            text += f"; for {follows}; the rest waits" if follows else "; waits"
+            text += " for the end of mode tracking"
         elif not automatic:
             text += "; waits for an automatic axis"
         elif len(automatic) < len(modes):
@@ -287,6 +303,8 @@ class Controller:
         track = settings.mode == "tracking"
 
         if inputs.valid:
+            if self._vertical is not None:
+                self._use_setpoint_once(self._vertical, any(automatic))
             self._guidance.step(position, velocity, automatic, track, now, elapsed)
             error = self._guidance.error(position, automatic)
             proportional = self._pid.proportional(error)
@@ -318,7 +336,8 @@ class Controller:
         self._laws = laws
         self._stick_was_stale = self._joystick.time is not None and not stick_is_fresh
 
-        vertical = None if self._vertical is None else self._vertical.step(below, now, elapsed)
+        vertical = None if self._vertical is None else self._vertical.step(below, now, dt, elapsed)
+        by_hand = any(manual) or (vertical is not None and "joystick" in vertical.axis_mode)
         generator = self._guidance.generator
         reference = generator.position
         # One flat tuple: an array of it costs a third of one of nested tuples.
@@ -342,7 +361,7 @@ class Controller:
             tau_desired=table[0],
             mode=settings.mode,
             axis_mode=modes,
-            status=self._status(inputs.valid, track, manual, stick_is_fresh, dt),
+            status=self._status(inputs.valid, track, by_hand, stick_is_fresh, dt),
             message=self._message,
             reference_position=table[1],
             reference_velocity=table[2],
@@ -355,6 +374,14 @@ class Controller:
             transfer=table[9],
             vertical=vertical,
         )
+
+    def _use_setpoint_once(self, vertical: VerticalController, plane_follows: bool) -> None:
+        """Drop what a waiting set point has for axes that are all manual, once others follow it."""
+        below_follows = "automatic" in vertical.modes()
+        if plane_follows and not below_follows and self._settings.mode != "tracking":
+            vertical.drop_setpoint()
+        elif below_follows and not plane_follows:
+            self._guidance.drop_setpoint()
 
     def _split(self, name: str, values: ArrayLike) -> tuple[Triple, Triple | None]:
         """Return the numbers of the horizontal plane, and those of heave, roll and pitch of a submerged vehicle."""
@@ -419,13 +446,13 @@ class Controller:
         a, b, c = self._transfers
         return a.force, b.force, c.force
 
-    def _status(self, valid: bool, track: bool, manual: Mask, stick_is_fresh: bool, dt: float) -> str:
+    def _status(self, valid: bool, track: bool, by_hand: bool, stick_is_fresh: bool, dt: float) -> str:
         states = []
         if not valid:
             states.append(OBSERVER_INVALID)
         if dt > self._gap_max * (1.0 + 1e-9):
             states.append(ESTIMATE_LATE)
-        if not stick_is_fresh and any(manual):
+        if not stick_is_fresh and by_hand:
             states.append(JOYSTICK_STALE)
         if track and not self._guidance.has_path:
             states.append(PATH_MISSING)

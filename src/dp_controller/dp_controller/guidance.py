@@ -6,7 +6,7 @@ import math
 
 from dp_controller.reference_generator import ReferenceGenerator
 from dp_controller.timed_path import TimedPath
-from dp_controller.vectors import ZERO, Mask, Triple, masked, to_body, to_ned
+from dp_controller.vectors import ZERO, Mask, Triple, both, masked, to_body, to_ned
 from marine_model.frames import wrap_angle
 
 NO_AXIS: Mask = (False, False, False)
@@ -51,6 +51,10 @@ class Guidance:
         """Give a set point: north (m), east (m), heading (rad)."""
         self._waiting = position
 
+    def drop_setpoint(self) -> None:
+        """Forget a set point that waits."""
+        self._waiting = None
+
     def set_path(self, path: TimedPath) -> None:
         """Give a path; it takes the place of the one before."""
         self._path = path
@@ -59,7 +63,7 @@ class Guidance:
     def lose(self, automatic: Mask) -> None:
         """Let a sample pass without an estimate. The target stays for axes that are automatic throughout."""
         self._live = False
-        self._automatic = _both(self._automatic, automatic)
+        self._automatic = both(self._automatic, automatic)
 
     def step(self, position: Triple, velocity: Triple, automatic: Mask, track: bool, now: float, dt: float) -> None:
         """Advance the reference.
@@ -85,7 +89,7 @@ class Guidance:
         advance = self._live
         if not self._live:
             self._restart(vessel, velocity)
-        staying = _both(self._automatic, automatic)
+        staying = both(self._automatic, automatic)
         if staying != (True, True, True):
             self._carry_reference(vessel, velocity, automatic, staying)
             self._target = _carried(self._target, vessel, staying)
@@ -162,10 +166,6 @@ class Guidance:
     def _on_path(self, path: TimedPath, time: float) -> tuple[Triple, Triple]:
         (north, east, heading), velocity = path.at(time)
         return (north, east, heading + self._turns), velocity
-
-
-def _both(a: Mask, b: Mask) -> Mask:
-    return a[0] and b[0], a[1] and b[1], a[2] and b[2]
 
 
 def _carried(point: Triple, vessel: Triple, keep: Mask) -> Triple:

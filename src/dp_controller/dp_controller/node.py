@@ -19,7 +19,7 @@ from dp_controller.node_health import Tally, health_of
 from dp_controller.settings import ControllerSettings, check_settings
 from dp_controller.signals import ControllerInputs, ControllerOutput
 from dp_controller.timed_path import TimedPath
-from dp_controller.vertical import VerticalInputs, VerticalOutput
+from dp_controller.vertical import VerticalInputs
 from dp_node import (
     AnswerGate,
     Health,
@@ -71,7 +71,7 @@ class ControllerNode(RingNode[ControllerSettings]):
         return ControllerSettings.for_vessel(vessel)
 
     def check(self, settings: ControllerSettings) -> None:
-        """Refuse feed-forward of a wind that does not blow on this vessel."""
+        """Refuse feed-forward of a wind that does not blow on this vessel, and axes that it does not control."""
         check_settings(settings, self.vessel)
 
     def build(self) -> None:
@@ -202,7 +202,8 @@ class ControllerNode(RingNode[ControllerSettings]):
         self._output, self._acted = output, stamp
         before = self._tally.status
         surge, sway, yaw = output.error.tolist()
-        self._tally.acted(output.status, (surge, sway, yaw))
+        below_error = None if output.vertical is None else output.vertical.error.tolist()
+        self._tally.acted(output.status, (surge, sway, yaw), below_error)
         if output.status != before:
             if output.status == NOMINAL:
                 self.get_logger().info("status: nominal")
@@ -294,7 +295,7 @@ class ControllerNode(RingNode[ControllerSettings]):
         message.header.stamp = from_nanoseconds(stamp)
         message.header.frame_id = BODY_FRAME
         message.mode = settings.mode
-        message.axis_mode = list(settings.axis_modes)
+        message.axis_mode = list(self._core.axis_modes)
         message.status = self._tally.status
         message.message = self._core.message
         message.setpoint_stamp = from_nanoseconds(self._setpoint_stamp)
@@ -309,8 +310,13 @@ class ControllerNode(RingNode[ControllerSettings]):
             message.wind_feedforward = output.wind_feedforward
             message.joystick = output.joystick
             message.transfer = output.transfer
-            if output.vertical is not None:
-                _say_below(message, output.vertical)
+        modes = self._core.vertical_modes
+        if modes is not None:
+            message.vertical_axis_mode = list(modes)
+            below = None if output is None else output.vertical
+            for name in _BELOW:
+                values = _NOTHING if below is None else getattr(below, name)
+                setattr(message, f"vertical_{name}", array("d", values.tobytes()))
         self._statuses.publish(message)
 
 
@@ -318,6 +324,8 @@ _WIND = "wind"
 _NOTHING: FloatArray = np.zeros(3)
 _NOTHING.setflags(write=False)
 _PLANE = [0, 1, 5]  # surge, sway, yaw among six
+# Fields of VerticalOutput that a status carries.
+_BELOW = ("reference", "error", "proportional", "integral", "derivative", "joystick", "transfer")
 
 
 def _require_frame(what: str, found: str, expected: str) -> None:
@@ -350,13 +358,6 @@ def _below(what: str, pose: Any, twist: Any) -> VerticalInputs:
     """Return depth, roll and pitch and their rates."""
     rates = (twist.linear.z, twist.angular.x, twist.angular.y)
     return VerticalInputs(np.array(_tilt(what, pose)), finite_vector(f"{what} twist", rates, 3))
-
-
-def _say_below(message: Any, below: VerticalOutput) -> None:
-    """Write the vertical part of a status."""
-    message.vertical_axis_mode = list(below.axis_mode)
-    for name in ("reference", "error", "proportional", "integral", "derivative", "joystick", "transfer"):
-        setattr(message, f"vertical_{name}", array("d", getattr(below, name).tobytes()))
 
 
 def _wrench6(what: str, wrench: Any) -> FloatArray:

@@ -37,6 +37,8 @@ class Tally:
         Answer to the last operator input.
     error
         Reference minus estimate at the last sample, body frame: m, m, rad; 0 in axes that are not automatic.
+    below
+        The same in depth (m), roll, pitch (rad) of a submerged vehicle; None on the surface.
     samples, unanswered
         Samples, and those of them without the allocator's answer to the sample before.
     late
@@ -48,6 +50,7 @@ class Tally:
     status: str = NOMINAL
     answer: str = ""
     error: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    below: list[float] | None = None
     samples: int = 0
     unanswered: int = 0
     late: bool = False
@@ -59,10 +62,10 @@ class Tally:
         samples, unanswered = self._reported
         return self.samples - samples, self.unanswered - unanswered
 
-    def acted(self, status: str, error: tuple[float, float, float]) -> None:
+    def acted(self, status: str, error: tuple[float, float, float], below: list[float] | None = None) -> None:
         """Take note of a sample."""
         self.samples += 1
-        self.status, self.error = status, error
+        self.status, self.error, self.below = status, error, below
         self.late = self.late or ESTIMATE_LATE in status
 
     def reported(self) -> None:
@@ -94,6 +97,8 @@ def health_of(tally: Tally, settings: ControllerSettings, waiting: str = "") -> 
         "position_error_m": off,
         "heading_error_rad": tally.error[2],
     }
+    if tally.below is not None:
+        values |= dict(zip(("depth_error_m", "roll_error_rad", "pitch_error_rad"), tally.below, strict=True))
     samples, unanswered = tally.fresh()
     alarms: list[Alarm] = []
     if waiting:
@@ -111,4 +116,7 @@ def health_of(tally: Tally, settings: ControllerSettings, waiting: str = "") -> 
     if 0.0 < settings.heading_alarm < abs(tally.error[2]):
         detail = f"{abs(tally.error[2]):.3g} rad of {settings.heading_alarm:.3g} rad"
         alarms.append(raised("CONTROLLER-HEADING-ERROR", detail))
+    if tally.below is not None and 0.0 < settings.vertical.depth_alarm < abs(tally.below[0]):
+        detail = f"{abs(tally.below[0]):.3g} m of {settings.vertical.depth_alarm:.3g} m"
+        alarms.append(raised("CONTROLLER-DEPTH-ERROR", detail))
     return health_with(alarms, values)

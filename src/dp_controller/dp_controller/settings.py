@@ -63,6 +63,9 @@ class VerticalSettings(Settings):
     tau_max: NonNegativeVector3 = setting(
         (0.0, 0.0, 0.0), "Largest demand in heave, roll, pitch; 0 for no limit", unit="N, N m, N m"
     )
+    depth_alarm: float = setting(
+        0.0, "Distance from the reference depth beyond which an alarm is raised; 0 for never", unit="m", ge=0.0
+    )
 
 
 class ControllerSettings(Settings):

@@ -45,3 +45,8 @@ def limited(demand: Triple, limits: Triple) -> Triple:
         for value, limit in zip(demand, limits, strict=True)
     )
     return x, y, n
+
+
+def both(a: Mask, b: Mask) -> Mask:
+    """Return what is in both masks."""
+    return a[0] and b[0], a[1] and b[1], a[2] and b[2]

@@ -17,11 +17,13 @@ from dp_controller.pid import NonlinearPid
 from dp_controller.reference_generator import ReferenceGenerator
 from dp_controller.settings import AxisMode, AxisModes, ControllerSettings
 from dp_controller.transfer import Transfer
-from dp_controller.vectors import ZERO, Mask, Triple, limited, masked, product
+from dp_controller.vectors import ZERO, Mask, Triple, both, limited, masked, product
 from marine_model.axes import VERTICAL
 from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
 from marine_model.vertical import VerticalControllerGains
+
+_ANGLES = (1, 2)  # roll and pitch among the axes
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +102,8 @@ class VerticalController:
         self._laws: list[str] | None = None
         self._demand: Triple = ZERO
         self._unlimited: Triple = ZERO
-        self._live = False
+        self._live = False  # the reference is no older than one sample
+        self._held: Mask = (False, False, False)  # which axes have a target
         self._retuned = False
         self._stick_was_stale = False
         self.apply(settings)
@@ -130,14 +133,18 @@ class VerticalController:
         return a, b, c
 
     def set_setpoint(self, position: Triple) -> None:
-        """Give a set point: depth (m), roll, pitch (rad). It waits until an axis is automatic."""
+        """Give a set point: depth (m), roll, pitch (rad). It waits until an axis is automatic, and is used once."""
         self._waiting = position
+
+    def drop_setpoint(self) -> None:
+        """Forget a set point that waits."""
+        self._waiting = None
 
     def set_joystick(self, force: Triple, time: float) -> None:
         """Give a manual force (N, N m, N m) of ``time`` (s)."""
         self._joystick.set(force, time)
 
-    def step(self, inputs: VerticalInputs | None, now: float, dt: float) -> VerticalOutput:
+    def step(self, inputs: VerticalInputs | None, now: float, dt: float, elapsed: float) -> VerticalOutput:
         """Return the demand.
 
         Parameters
@@ -146,6 +153,8 @@ class VerticalController:
             None if the estimate is not valid: the integral stays, proportional and derivative terms rest.
         now, dt
             Time of the estimate and since the last one, s.
+        elapsed
+            What of ``dt`` counts for reference and integral, s.
         """
         settings, modes = self._settings, self.modes()
         valid = inputs is not None
@@ -157,28 +166,29 @@ class VerticalController:
         automatic = modes[0] == "automatic", modes[1] == "automatic", modes[2] == "automatic"
         manual = modes[0] == "joystick", modes[1] == "joystick", modes[2] == "joystick"
         staying = self._staying(automatic)
-        error = proportional = derivative = reference = ZERO
+        error = proportional = derivative = ZERO
+        follows = settings.velocity_feedback == "error"
         if valid:
-            self._guide(position, velocity, automatic, staying, dt)
-            reference = self._reference()
-            error = masked(_error(reference, position), automatic)
+            self._guide(position, velocity, automatic, elapsed)
+            error = masked(_error(self._reference(), position), automatic)
             proportional = self._pid.proportional(error)
-            follows = settings.velocity_feedback == "error"
             derivative = masked(self._pid.derivative(velocity, self._rates() if follows else ZERO), automatic)
-        self._live = valid
-        self._integrate(automatic, staying, error, achieved, dt, valid)
+        else:
+            # Where the axis is automatic throughout, the target stays.
+            self._live, self._held = False, both(self._held, automatic)
+        self._integrate(automatic, staying, error, achieved, elapsed, valid)
         stick = self._joystick.force(now, settings.joystick_timeout, settings.transfer_time)
         joystick = masked(stick, manual)
         integral = self._pid.force
         raw = _sum(proportional, integral, derivative, joystick)
-        transfer = self._transfer([_law(mode, valid) for mode in modes], raw, now, dt)
+        transfer = self._transfer([_law(mode, valid, follows) for mode in modes], raw, now, dt)
         demand = _sum(raw, transfer)
         self._unlimited = demand
         self._demand = limited(demand, settings.vertical.tau_max)
         return VerticalOutput(
             np.array(self._demand),
             modes,
-            np.array(reference),
+            _wrapped(self._reference()),
             *(np.array(part) for part in (error, proportional, integral, derivative, joystick, transfer)),
         )
 
@@ -190,15 +200,9 @@ class VerticalController:
         a, b, c = (automatic[i] and before[i] not in ("off", "joystick") for i in range(3))
         return a, b, c
 
-    def _guide(
-        self,
-        position: Triple,
-        velocity: Triple,
-        automatic: Mask,
-        staying: Mask,
-        dt: float,
-    ) -> None:
+    def _guide(self, position: Triple, velocity: Triple, automatic: Mask, dt: float) -> None:
         """Move the reference of every automatic axis; the others go along with the vehicle."""
+        staying = both(self._held, automatic)
         for i, generator in enumerate(self._generators):
             here = (position[i], 0.0, 0.0)
             if not automatic[i]:
@@ -211,11 +215,16 @@ class VerticalController:
                 self._target[i] = position[i]
             if self._waiting is not None:
                 self._target[i] = self._waiting[i]
+            if i in _ANGLES:
+                # The shorter way: what was measured is wrapped, the reference is not.
+                reference = generator.position[0]
+                self._target[i] = reference + wrap_angle(self._target[i] - reference)
             if staying[i] and self._live:
                 target = (self._target[i], 0.0, 0.0)
                 count = generator.steps_in(dt)
                 for _ in range(count):
                     generator.step(target, ZERO, target, ZERO, dt / count)
+        self._live, self._held = True, automatic
         if any(automatic):
             self._waiting = None  # used once; what was for a manual axis is dropped
 
@@ -268,8 +277,16 @@ class VerticalController:
         return a.force, b.force, c.force
 
 
-def _law(mode: AxisMode, valid: bool) -> str:
-    return "hold" if mode == "automatic" and not valid else mode
+def _law(mode: AxisMode, valid: bool, follows: bool) -> str:
+    if mode != "automatic":
+        return mode
+    if not valid:
+        return "hold"
+    return "error_feedback" if follows else "vessel_feedback"
+
+
+def _wrapped(position: Triple) -> FloatArray:
+    return np.array((position[0], wrap_angle(position[1]), wrap_angle(position[2])))
 
 
 def _error(reference: Triple, position: Triple) -> Triple:

@@ -201,6 +201,11 @@ ALARMS = _table(
         "heading error above heading_alarm",
         "See the margin of the thrusters; give a heading that can be held.",
     ),
+    _warn(
+        "CONTROLLER-DEPTH-ERROR",
+        "depth error above vertical.depth_alarm",
+        "See the margin of the vertical thrusters, and the ballast; give a depth that can be held.",
+    ),
     # Allocator
     _warn("ALLOCATOR-NO-DEMAND", "no tau_desired: no thruster_command", "See whether the controller runs."),
     _warn(

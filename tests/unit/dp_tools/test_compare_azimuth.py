@@ -40,18 +40,19 @@ def test_at_one_angle_it_is_a_section_of_a_zonotope(degrees: float) -> None:
     x, y = VESSEL.lever_x[own], VESSEL.lever_y[own]
     columns = np.array([np.cos(azimuth), np.sin(azimuth), x * np.sin(azimuth) - y * np.cos(azimuth)])
     body = zonotope(columns, np.full(4, -250.0), np.full(4, 250.0))
-    for ray in RAYS:
-        load = float(load_together(four, MOMENT, *np.array(ray), radians(degrees)))
+    loads = load_together(four, MOMENT, RAYS[:, 0], RAYS[:, 1], radians(degrees))
+    for ray, load in zip(RAYS, loads, strict=True):
         for moment in (MOMENT, -MOMENT):
             share = body.share_from(np.array([0.0, 0.0, moment]), np.array([*ray, 0.0]))
             assert 1.0 / share == pytest.approx(load, rel=1e-9)
 
 
 def test_the_best_angle_beats_a_fine_grid() -> None:
-    loads, angles = best_together(square(), MOMENT, *RAYS.T)
+    surge, sway = RAYS.T
+    loads, angles = best_together(square(), MOMENT, surge, sway)
     for angle in np.linspace(0.001, pi / 2.0 - 0.001, 400):
-        assert (loads <= load_together(square(), MOMENT, *RAYS.T, angle) * (1.0 + 1e-6)).all()
-    np.testing.assert_allclose(load_together(square(), MOMENT, *RAYS.T, angles), loads, rtol=1e-12)
+        assert (loads <= load_together(square(), MOMENT, surge, sway, angle) * (1.0 + 1e-6)).all()
+    np.testing.assert_allclose(load_together(square(), MOMENT, surge, sway, angles), loads, rtol=1e-12)
 
 
 def test_without_a_moment_it_is_the_asteroid() -> None:
@@ -77,7 +78,7 @@ def test_each_at_its_own_angle_is_the_boundary_of_the_whole_set() -> None:
 def test_a_set_within_the_next(study: AzimuthStudy) -> None:
     bearings = np.linspace(0.0, 2.0 * pi, 181)
     asteroid = study.limit * np.column_stack([np.cos(bearings) ** 3, np.sin(bearings) ** 3])
-    loads, _ = best_together(study.square, study.moment, *asteroid.T)
+    loads, _ = best_together(study.square, study.moment, asteroid[:, 0], asteroid[:, 1])
     assert (loads <= 1.0 + 1e-9).all()
     assert (study.apart_set.load(study.together_outline) <= 1.0).all()
 

@@ -19,9 +19,10 @@ VESSEL = driven_vessel()
 @pytest.fixture(scope="module")
 def portions() -> PortionStudy:
     group = groups_of(VESSEL)[0]
-    cross = cross_with_limit(VESSEL)
-    assert cross is not None
-    return study_portions(*cross, group, group.attainable(), 300, np.random.default_rng(2))
+    found = cross_with_limit(VESSEL)
+    assert found is not None
+    cross, thrust_max = found
+    return study_portions(cross, thrust_max, group, group.attainable(), 300, np.random.default_rng(2))
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +66,9 @@ def test_the_corner_of_a_rectangle_is_just_met(portions: PortionStudy) -> None:
     row = portions.rows[1]
     own = Portions(0.35, 0.65, 0.65)
     for demand in ([row.limits[0], 0.0, 0.0, row.limits[3]], [row.limits[0], 0.0, row.limits[2], 0.0]):
-        assert float(portion(*np.array(demand), cross[0], own, 42.0).load) == pytest.approx(1.0, rel=1e-9)
+        surge, heave, pitch, yaw = np.array(demand)
+        load = portion(surge, heave, pitch, yaw, cross[0], own, 42.0).load
+        assert float(load) == pytest.approx(1.0, rel=1e-9)
 
 
 def test_portions_meet_only_what_is_attainable(portions: PortionStudy) -> None:

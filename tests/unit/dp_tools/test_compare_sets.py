@@ -67,6 +67,22 @@ def test_sections_and_faces_of_a_cube() -> None:
     assert cube.share_from(np.array([1.0, 0.0, 0.0]), np.array([0.5, -0.1, 0.0])) == pytest.approx(2.0, rel=ROUNDING)
 
 
+def test_the_sets_differ_beside_a_third_force_only() -> None:
+    """Rhombic dodecahedron and octahedron: the same diamond without yaw; at half of it a square, and half of that."""
+    group = first("ukwial")[1]
+    exact, octahedral = group.attainable(), group.printed_octahedron()
+    for yaw, ratio in ((0.0, 1.0), (0.5 * group.printed[2], 2.0)):
+        at = np.array([0.0, 0.0, yaw])
+        areas = []
+        for body in (exact, octahedral):
+            corners = body.slice_corners((0, 1), at)
+            assert corners is not None
+            x, y = corners.T
+            areas.append(0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+        assert areas[0] / areas[1] == pytest.approx(ratio, rel=1e-6)
+    assert exact.slice_corners((0, 1), np.array([0.0, 0.0, 1.001 * group.printed[2]])) is None
+
+
 def test_the_origin_is_inside_or_there_is_no_load() -> None:
     with pytest.raises(InputError, match="attainable set: expected the origin inside, found it on the boundary"):
         Polytope(np.array([[1.0], [-1.0]]), np.array([1.0, 0.0]))

@@ -18,6 +18,7 @@ from dp_tools.compare.polytope import Polytope
 from dp_tools.compare.portion_study import PLANES, SHARES, PortionStudy
 from dp_tools.compare.speed_study import SpeedStudy
 from dp_tools.compare.study import Comparison
+from dp_tools.quantities import number
 from dp_tools.report import style
 from dp_tools.report.panels import WIDTH
 from marine_model.guards import FloatArray
@@ -119,9 +120,13 @@ def _patch(color: str, alpha: float, label: str) -> Any:
 
 def _sections(study: GroupStudy, name: str) -> Drawing:
     group = study.group
-    pairs = list(combinations(range(len(group.axes)), 2))
+    m = len(group.axes)
+    pairs = list(combinations(range(m), 2))
+    # With three axes once more beside a force along the third: two sets may differ there alone.
+    half = 0.5 / study.exact.load(np.eye(m))
+    panels = [(pair, np.zeros(m)) for pair in pairs] + [(pair, half) for pair in pairs if m == 3]
     columns = min(3, len(pairs))
-    rows = -(-len(pairs) // columns)
+    rows = -(-len(panels) // columns)
     figure = Figure(figsize=(WIDTH, 3.4 * rows + 0.5), layout="constrained")
     sets = (
         (study.exact, _EXACT, "-", "attainable, exact"),
@@ -130,23 +135,30 @@ def _sections(study: GroupStudy, name: str) -> Drawing:
         (group.served_octahedron(), style.FLAGGED, (0, (1, 1.5)), "octahedron of what is served"),
     )
     axes = figure.subplots(rows, columns, squeeze=False).ravel()
-    for axis, pair in zip(axes, pairs, strict=False):
+    for axis, (pair, at) in zip(axes, panels, strict=False):
         for body, color, line, label in sets:
-            corners = body.section(pair).vertices
-            axis.fill(*corners.T, color=color, alpha=0.1, linewidth=0.0)
-            axis.plot(*_closed(corners), color=color, linestyle=line, label=label)
+            corners = body.slice_corners(pair, at)
+            if corners is not None:
+                axis.fill(*corners.T, color=color, alpha=0.1, linewidth=0.0)
+                axis.plot(*_closed(corners), color=color, linestyle=line, label=label)
+        if at.any():
+            (third,) = set(range(m)) - set(pair)
+            axis.set_title(f"{number(float(at[third]))} {group.units[third]} of {group.axes[third]}", fontsize=9.0)
         axis.margins(0.06)
         axis.set_xlabel(f"{group.axes[pair[0]]} ({group.units[pair[0]]})")
         axis.set_ylabel(f"{group.axes[pair[1]]} ({group.units[pair[1]]})")
-    for axis in axes[len(pairs) :]:
+    for axis in axes[len(panels) :]:
         axis.remove()
     lines, labels = axes[0].get_legend_handles_labels()
     figure.legend(lines, labels, loc="outside lower center", ncols=4)
-    others = " Where two lines lie on one another, the sets are the same." if len(group.axes) > 2 else ""
+    text = {
+        2: "",
+        3: "Above: third axis zero. Below: at half of what is attainable of it alone. ",
+    }.get(m, "Other axes zero. ")
     return Drawing(
         name,
         f"{group.name}: sections",
-        f"Other axes zero.{others}",
+        f"{text}Where lines lie on one another, the sets are the same.",
         "Sections of the sets in planes of two axes",
         figure,
     )

@@ -9,6 +9,7 @@ from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from marine_model.errors import InputError
@@ -57,6 +58,24 @@ class Polytope:
         # A face at right angles to the others bounds nothing here.
         bounds = np.linalg.norm(normals, axis=1) > _ON_FACE * np.linalg.norm(self.normals, axis=1)
         return Polytope(normals[bounds], self.heights[bounds])
+
+    def slice_corners(self, axes: Sequence[int], at: FloatArray) -> FloatArray | None:
+        """Return the corners of the section where the other coordinates are those of ``at`` (m,), over ``axes``.
+
+        Shape (k, 2), counter-clockwise, for two axes; None if nothing is left there.
+        """
+        other = np.where(np.isin(np.arange(len(at)), list(axes)), 0.0, at)
+        normals, heights = self.normals[:, list(axes)], self.heights - self.normals @ other
+        lengths = np.linalg.norm(normals, axis=1)
+        # The centre of the largest ball within is a point that is surely inside.
+        ball = linprog([0.0, 0.0, -1.0], np.column_stack([normals, lengths]), heights, bounds=[(None, None)] * 3)
+        if not ball.success or ball.x[2] <= _ON_FACE * float(np.abs(self.vertices).max()):
+            return None
+        bounds = lengths > _ON_FACE * np.linalg.norm(self.normals, axis=1)
+        spaces = np.column_stack([normals, -heights])[bounds]
+        points = HalfspaceIntersection(spaces, ball.x[:2]).intersections
+        corners: FloatArray = points[ConvexHull(points).vertices]
+        return corners
 
     @cached_property
     def vertices(self) -> FloatArray:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 
 from dp_tools.figures.base import ComparedFigure, Measurement, WindowFigure
-from dp_tools.figures.samples import column, relative_change_of, rms, std
+from dp_tools.figures.samples import column, mean, relative_change_of, rms, std
 from dp_tools.run_data import RunData
 from dp_tools.signals import position_error
 from marine_model import Vessel
@@ -79,3 +79,15 @@ class LargestErrorDelay(WindowFigure):
         largest = float(error.t[np.nanargmax(np.abs(error.values[:, PLACES.index(self.axis)]))])
         before = [event.at for event in scenario.events if event.at <= largest + 5e-7]  # stamps are whole ns
         return Measurement(largest - before[-1] if before else None)
+
+
+class SpeedLevel(WindowFigure):
+    """Mean of the estimated speed ahead over a window, m/s."""
+
+    unit: ClassVar[str] = "m/s"
+
+    kind: Literal["speed_level"]
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the mean."""
+        return Measurement.of(mean, column(run["estimate_velocity"], scenario, self.window, 0))

@@ -14,13 +14,14 @@ from dp_tools.figures.excursion import Badness, Excursion, RankAgreement
 from dp_tools.figures.force import ForceDeviation, ForceJump, ForceLevel, ForceLevelChange, ForceMet, ForceTracking
 from dp_tools.figures.joystick import TimeToDemand
 from dp_tools.figures.lag import ActuatorLag
-from dp_tools.figures.position import LargestErrorDelay, PositionError, PositionErrorChange
+from dp_tools.figures.position import LargestErrorDelay, PositionError, PositionErrorChange, SpeedLevel
 from dp_tools.figures.power import MeanPower, MeanPowerChange, PowerStdChange
 from dp_tools.figures.sectors import ForbiddenDwell, SwitchCount, TransitFullRate
 from dp_tools.figures.spectrum import SpectralEnergy, SpectralEnergyRatio
 from dp_tools.figures.thruster import (
     AzimuthStep,
     LimitViolations,
+    ThrustDelivered,
     ThrustLevel,
     ThrustLevelChange,
     TorqueLossChange,
@@ -37,6 +38,7 @@ AnyFigure = Annotated[
     | PositionError
     | PositionErrorChange
     | LargestErrorDelay
+    | SpeedLevel
     | ForceLevel
     | ForceLevelChange
     | ForceTracking
@@ -50,6 +52,7 @@ AnyFigure = Annotated[
     | TimeToDemand
     | AzimuthStep
     | ThrustLevel
+    | ThrustDelivered
     | ThrustLevelChange
     | VentilatingShare
     | TorqueLossLevel

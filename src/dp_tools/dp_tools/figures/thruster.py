@@ -43,6 +43,21 @@ class ThrustLevelChange(ThrusterFigure, ComparedFigure):
         return Measurement.of(relative_change, *map(np.abs, sides))
 
 
+class ThrustDelivered(ThrusterFigure, WindowFigure):
+    """Mean true thrust of one thruster over its mean commanded thrust in a window, minus one."""
+
+    shown: ClassVar[Shown] = "change"
+    unit: ClassVar[str] = "1"
+
+    kind: Literal["thrust_delivered"]
+
+    def measure(self, run: RunData, scenario: Scenario, vessel: Vessel) -> Measurement:
+        """Return the relative difference; negative where the thruster gives less than it is asked for."""
+        index = run.thrusters.index(self.thruster)
+        asked, given = (column(run[name], scenario, self.window, index) for name in ("thrust_command", "truth_thrust"))
+        return Measurement.of(relative_change, asked, given)
+
+
 class VentilatingShare(ThrusterFigure, WindowFigure):
     """Share of a window in which a thruster was flagged as ventilating."""
 
