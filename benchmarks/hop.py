@@ -83,24 +83,33 @@ def measure_hop(plan: Plan) -> list[Result]:
         ring = Line(one, "tau_desired", "thruster_command", ThrusterCommand)
         bare = Line(one, echo_node.REQUEST, echo_node.ANSWER, WrenchStamped)
         one.wait_until(lambda: ring.ready() and bare.ready(), 30.0, "allocator and echo to be there")
-        for line in (ring, bare):
-            for _ in range(_WARM_UP):
-                line.hop(next(requests))
-        times: dict[Line, list[float]] = {ring: [], bare: []}
-        for block in range(plan.hop_blocks):
-            # Neither is always first, nor always the one that comes after a pause.
-            for line in (ring, bare) if block % 2 == 0 else (bare, ring):
-                one.watch()
-                times[line] += [line.hop(next(requests)) / _MICROSECOND for _ in range(plan.hop_requests)]
-    return _results(times[ring], times[bare])
+        times = hops_in_turn(one, (ring, bare), (requests, requests), plan.hop_blocks, plan.hop_requests)
+    return hop_results("hop_latency", times, _PEER, 1.5, "")
 
 
-def _results(ours: Sequence[float], theirs: Sequence[float]) -> list[Result]:
-    hop, echo = summarize(ours), summarize(theirs)
-    note = f"round trip, {hop.count} requests each in alternate blocks"
+def hops_in_turn(
+    one: Operator, lines: Sequence[Line], requests: Sequence[Iterator[Any]], blocks: int, size: int
+) -> list[list[float]]:
+    """Return the times of hops through two lines, us: blocks of ``size`` requests in turn, after a warm-up of each."""
+    for line, own in zip(lines, requests, strict=True):
+        for _ in range(_WARM_UP):
+            line.hop(next(own))
+    times: list[list[float]] = [[], []]
+    for block in range(blocks):
+        # Neither is always first, nor always the one that comes after a pause.
+        for k in (0, 1) if block % 2 == 0 else (1, 0):
+            one.watch()
+            times[k] += [lines[k].hop(next(requests[k])) / _MICROSECOND for _ in range(size)]
+    return times
+
+
+def hop_results(name: str, times: Sequence[Sequence[float]], peer: str, aim: float, more: str) -> list[Result]:
+    """Return median and 99th percentile of the first line beside those of the second, ``peer``."""
+    ours, theirs = summarize(times[0]), summarize(times[1])
+    note = f"round trip, {ours.count} requests each in alternate blocks{more}"
     return [
-        Result("hop_latency_median", hop.median, "us", _PEER, echo.median, Aim("ratio", "<=", 1.5), note),
-        Result("hop_latency_p99", hop.p99, "us", _PEER, echo.p99, None, note),
+        Result(f"{name}_median", ours.median, "us", peer, theirs.median, Aim("ratio", "<=", aim), note),
+        Result(f"{name}_p99", ours.p99, "us", peer, theirs.p99, None, note),
     ]
 
 

@@ -19,11 +19,10 @@ import yaml
 from dp_msgs.msg import ThrusterCommand
 
 from benchmarks import record_sender
-from benchmarks.hop import Line, demands
+from benchmarks.hop import Line, demands, hop_results, hops_in_turn
 from benchmarks.plan import Plan
 from benchmarks.record_sender import feedback
 from benchmarks.result import Aim, Result
-from benchmarks.statistics import summarize
 from dp_bringup.graph_nodes import is_there
 from dp_bringup.operator_node import Operator, operator
 from dp_bringup.processes import Child, Children
@@ -36,7 +35,6 @@ _SENDERS = 4
 _DEPTH = 1000
 _BURST_DEPTH = 10_000
 _BURST = 4000  # messages of each sender, less than the 5000 that a reader of the middleware holds
-_WARM_UP = 20
 # So many times more blocks than for the plain hop, and as much shorter: what else the machine does falls on both.
 _FINER = 10
 _MICROSECOND = 1e-6
@@ -170,21 +168,8 @@ def _hop(plan: Plan) -> list[Result]:
         ]
         # The recorder listens to the demand as well.
         one.wait_until(lambda: lines[1].ready() and lines[0].ready(listeners=2), _SECONDS, "the allocators to be there")
-        for line, own in zip(lines, requests, strict=True):
-            for _ in range(_WARM_UP):
-                line.hop(next(own))
-        times: list[list[float]] = [[], []]
-        for block in range(_FINER * plan.hop_blocks):
-            for k in (0, 1) if block % 2 == 0 else (1, 0):
-                one.watch()
-                times[k] += [lines[k].hop(next(requests[k])) / _MICROSECOND for _ in range(plan.hop_requests // _FINER)]
-    with_it, without = summarize(times[0]), summarize(times[1])
-    peer = "not recorded"
-    note = f"round trip, {with_it.count} requests each in alternate blocks, load {os.getloadavg()[0]:.1f}"
-    return [
-        Result("hop_recorded_median", with_it.median, "us", peer, without.median, Aim("ratio", "<=", 1.1), note),
-        Result("hop_recorded_p99", with_it.p99, "us", peer, without.p99, None, note),
-    ]
+        times = hops_in_turn(one, lines, requests, _FINER * plan.hop_blocks, plan.hop_requests // _FINER)
+    return hop_results("hop_recorded", times, "not recorded", 1.1, f", load {os.getloadavg()[0]:.1f}")
 
 
 @contextmanager

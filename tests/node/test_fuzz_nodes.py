@@ -144,6 +144,7 @@ TARGETS: dict[Any, Target] = {
                 (
                     "performance_measure",
                     "gain_limit",
+                    "feasible_load",
                     "margin",
                     "margin_turned",
                     "minimum_gain",

@@ -372,6 +372,7 @@ CHANGES: dict[str, tuple[dict[str, Any], ...]] = {
     "bus power": ({"power.limit": "bus", "power.bus_limit": [0.3, 0.3], "power.measured": False},),
     "singularity": ({"singularity.method": "three_step", "singularity.gain_limit": 1.0},),
     "solver": ({"solver": "daqp"},),
+    "method": ({"method": "pseudo_inverse"}, {"method": "qp"}),
 }
 HARD = (7.0, -3.0, 2.0)
 
@@ -447,6 +448,11 @@ def assert_tells(status: Any, result: AllocationResult) -> None:
         "gain_crossing": False if avoidance is None else avoidance.crossing,
         "antispin": result.antispin,
         "torque_loss": result.torque_loss,
+        "method": result.method,
+        "detail": result.detail,
+        "feasible_load": result.feasible_load,
+        "tau_feasible": [] if result.method_report is None else result.tau_feasible,
+        "tau_qp": [] if result.method_report is None else result.tau_qp,
     }
     assert {"header", *expected} == set(status.get_fields_and_field_types())
     for name, value in expected.items():

@@ -90,7 +90,7 @@ class DpProcess:
         """Processes that it had started when :meth:`children` was last called, and that still run."""
         return [c for c in self._seen.values() if c.is_running() and c.status() != psutil.STATUS_ZOMBIE]
 
-    def wait_until(self, condition: Callable[[], object], message: str, timeout: float = 60.0) -> None:
+    def wait_until(self, condition: Callable[[], object], message: str, timeout: float = LONGEST / 2) -> None:
         """Wait for a condition; fails with everything that was said if the command ends before."""
 
         def done() -> bool:

@@ -126,6 +126,8 @@ def replacement(path: str, value: Any) -> st.SearchStrategy[Any]:
         return TEXTS
     if isinstance(value, np.ndarray):
         return st.lists(FLOATS, min_size=len(value), max_size=len(value)).map(np.array)
+    if isinstance(value, array) and value.typecode == "h":
+        return st.lists(st.integers(-(2**15), 2**15 - 1), max_size=8).map(lambda numbers: array("h", numbers))
     if isinstance(value, array):
         n = len(value)
         numbers = st.one_of(st.lists(FLOATS, min_size=n, max_size=n), st.lists(FLOATS, max_size=8))

@@ -64,8 +64,9 @@ class AllocatorNode(RingNode[AllocatorSettings]):
         """Make core, publishers and subscriptions."""
         self._core = Allocator(self.vessel, self.settings)
         # What is told of an answer is machine code too, and none of it is to be compiled while a demand waits.
-        nothing = np.zeros(len(self.vessel.degrees_of_freedom))
-        rehearsal = Allocator(self.vessel, self.settings).step(nothing, self.vessel.measurement.sample_time)
+        # A demand along every axis: of none, nothing is looked up.
+        some = np.ones(len(self.vessel.degrees_of_freedom))
+        rehearsal = Allocator(self.vessel, self.settings).step(some, self.vessel.measurement.sample_time)
         self._status_message(AllocationStatus().header, rehearsal)
         self._names = list(self.vessel.thruster_names)
         self._axes: list[int] = self.vessel.axis_indices.tolist()

@@ -381,3 +381,40 @@ def test_lost_messages_and_messages_of_another_type(tmp_path: Path) -> None:
     found = told(check_bag(tmp_path / "bag"))
     assert "/a: 2 messages lost, by the publisher's numbers" in found
     assert "/b: message is not of type std_msgs/msg/String" in found
+
+
+@pytest.mark.parametrize(
+    ("definition", "reason"),
+    [
+        ("builtin_interfaces/Time clock\n", "builtin_interfaces/msg/Time is not defined"),
+        (
+            "builtin_interfaces/Time clock\n" + "=" * 80 + "\nMSG: builtin_interfaces/Time\nint32 sec\n",
+            "builtin_interfaces/msg/Time: expected sec, nanosec, found sec",
+        ),
+    ],
+)
+def test_a_definition_that_lacks_something(definition: str, reason: str, tmp_path: Path) -> None:
+    bag = make_bag(tmp_path / "bag", [("/clock", 0.1, clock(0.1))], {"/clock": CLOCK}, definitions={CLOCK: definition})
+    assert f"/clock: the definition of {CLOCK} cannot be understood: {reason}" in told(check_bag(bag))
+
+
+def test_a_repair_keeps_the_messages_about_one_of_an_impossible_time(tmp_path: Path) -> None:
+    messages = [("/a", float(k), f"message {k}") for k in range(5)]
+    bag = make_bag(tmp_path / "bag", messages, chunk_size=1 << 20)
+    with (bag / "bag_0.mcap").open("rb") as stream:
+        read = [(channel.topic, message) for _, channel, message in make_reader(stream).iter_messages()]
+    spoilt = tmp_path / "spoilt.mcap"
+    with spoilt.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2", "test")
+        schema = writer.register_schema("std_msgs/msg/String", "ros2msg", b"string data\n")
+        channel = writer.register_channel("/a", "cdr", schema)
+        for k, (_, message) in enumerate(read):
+            time = (1 << 63) + 1 if k == 2 else message.log_time
+            writer.add_message(channel, time, message.data, time, k + 1)
+        writer.finish()
+    with pytest.raises(BagError, match="message with the time 9223372036854775809 ns"):
+        content(spoilt)
+    done = repair(spoilt, tmp_path / "new")
+    assert [data for *_, data in content(tmp_path / "new")] == [text(f"message {k}") for k in (0, 1, 3, 4)]
+    assert "message with the time 9223372036854775809 ns" in " ".join(done.damage)

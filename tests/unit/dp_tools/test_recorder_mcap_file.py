@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
-from mcap.stream_reader import StreamReader
+from mcap.records import DataEnd
+from mcap.stream_reader import CRCValidationError, StreamReader
 
 from dp_tools.recorder.mcap_file import McapFile
 
@@ -121,6 +122,10 @@ def test_a_disk_that_fills_up_anywhere_leaves_a_whole_file(messages: Sent, room:
     disk.room = 1 << 30  # the reserve is given back
     file.finish()
     assert read(disk) == messages[:count]
+    # The checksum is that of what is there, not of what could not be written.
+    disk.seek(0)
+    (end,) = [r for r in StreamReader(disk, validate_crcs=True).records if isinstance(r, DataEnd)]
+    assert end.data_section_crc != 0
 
 
 def test_the_file_cannot_begin_on_a_full_disk() -> None:
@@ -155,6 +160,22 @@ def test_a_reader_that_does_not_seek_finds_the_same() -> None:
     disk.seek(0)
     found = [r for r in StreamReader(disk, validate_crcs=True).records if type(r).__name__ == "Message"]
     assert [(m.sequence, m.data) for m in found] == [(m[1], m[4]) for m in messages]
+
+
+def test_every_byte_of_the_data_is_under_a_checksum() -> None:
+    """Also what has none of its own: a changed letter in a metadata record."""
+    disk = Disk()
+    file = McapFile(disk, "test", 100)
+    fill(file, [(i % 2, i, i, i, bytes([i]) * 20) for i in range(20)])
+    file.end_chunk()
+    file.add_metadata("rosbag2", {"serialized_metadata": "version: 9"})
+    file.finish()
+    disk.seek(0)
+    (end,) = [r for r in StreamReader(disk, validate_crcs=True).records if isinstance(r, DataEnd)]
+    assert end.data_section_crc != 0  # which would mean that there is none
+    changed = disk.getvalue().replace(b"version: 9", b"version: 8")
+    with pytest.raises(CRCValidationError, match="DataEnd"):
+        list(StreamReader(BytesIO(changed), validate_crcs=True).records)
 
 
 def test_library_and_profile_are_said() -> None:

@@ -110,6 +110,25 @@ def test_thrust_in_equilibrium_over_all_codes() -> None:
     assert found == pytest.approx([0.0, 0.395, 0.871, 0.236, 0.440], abs=1e-3)
 
 
+def test_a_motor_at_a_voltage_would_do_as_well() -> None:
+    """M = a N - b n, both fitted, for comparison: what a motor at a voltage of a code's share would have."""
+    codes, _, n, torque = np.array(POINTS).T
+    terms = np.stack([codes, -n], axis=1)
+    (a, b), *_ = np.linalg.lstsq(terms, torque, rcond=None)
+    assert [a, b] == pytest.approx([0.01377, 0.03669], abs=1e-5)
+    assert np.abs(terms @ (a, b) - torque).max() == pytest.approx(0.0607, abs=1e-4)
+    errors: dict[int, list[float]] = {i: [] for i in range(len(SPEEDS))}
+    for code, i, _, _ in POINTS:
+        speed = SPEEDS[i]
+
+        def left(n: float, code: int = code, speed: float = speed) -> float:
+            return a * code - b * n - float(MODEL.forces(n, speed, DENSITY)[1])
+
+        thrust = float(MODEL.forces(brentq(left, 0.01, 60.0), speed, DENSITY)[0])
+        errors[i].append(thrust - THRUST.thrust(code, speed))
+    assert [np.abs(e).max() for e in errors.values()] == pytest.approx([0.796, 0.376, 0.592, 0.291, 0.302], abs=1e-3)
+
+
 def test_torque_is_odd_and_falls_back_without_a_shaft_speed() -> None:
     for code in (0, 5, 50, 127):
         for n in (-40.0, 0.0, 12.5, 40.0):

@@ -9,7 +9,7 @@ import pytest
 
 from marine_model.errors import InputError
 from marine_model.guards import FloatArray
-from thrust_allocator.feasible import Cross, Portions, portion
+from thrust_allocator.feasible import Cross, PortionedThrust, Portions, portion
 
 DELTA = radians(22.5)
 CROSS = Cross(DELTA, 1.0, 0.8, -42.0, 42.0)
@@ -18,6 +18,12 @@ T_MAX = 34.5  # at 1 m/s, Table 4
 # Largest demands that the portions allow, (6).
 SURGE = 4.0 * cos(DELTA) * 0.6 * T_MAX
 TURN = 2.0 * sin(DELTA) * 1.0 * 0.4 * T_MAX
+
+
+def divide(tau: FloatArray, portions: Portions = PORTIONS, thrust_max: float = T_MAX) -> PortionedThrust:
+    """Divide demands (..., 4): surge, heave, pitch, yaw."""
+    surge, heave, pitch, yaw = np.moveaxis(tau, -1, 0)
+    return portion(surge, heave, pitch, yaw, CROSS, portions, thrust_max)
 
 
 def forces(thrust: FloatArray) -> FloatArray:
@@ -49,20 +55,20 @@ def test_5_in_this_frame() -> None:
 
 
 def test_by_hand() -> None:
-    found = portion(*np.array([40.0, 0.0, 0.0, 0.0]), CROSS, PORTIONS, T_MAX)
+    found = divide(np.array([40.0, 0.0, 0.0, 0.0]), PORTIONS, T_MAX)
     np.testing.assert_allclose(found.thrust, [40.0 / (4.0 * cos(DELTA))] * 4 + [0.0], atol=1e-15)
-    found = portion(*np.array([0.0, 0.0, 0.0, 5.0]), CROSS, PORTIONS, T_MAX)
+    found = divide(np.array([0.0, 0.0, 0.0, 5.0]), PORTIONS, T_MAX)
     # Bow to starboard: the left thruster pushes the stern to port.
     turn = 5.0 / (2.0 * sin(DELTA))
     np.testing.assert_allclose(found.thrust, [0.0, 0.0, turn, -turn, 0.0], atol=1e-14)
-    found = portion(*np.array([1000.0, 0.0, 0.0, -1000.0]), CROSS, PORTIONS, T_MAX)
+    found = divide(np.array([1000.0, 0.0, 0.0, -1000.0]), PORTIONS, T_MAX)
     np.testing.assert_allclose(found.thrust[:4], np.array([0.6, 0.6, 0.2, 1.0]) * T_MAX, rtol=1e-14)
     assert found.load == pytest.approx(1000.0 / TURN)
 
 
 def test_every_demand_within_its_portion_is_met() -> None:
     tau = demands(10_000)
-    found = portion(*tau.T, CROSS, PORTIONS, T_MAX)
+    found = divide(tau, PORTIONS, T_MAX)
     assert (np.abs(found.thrust[:, :4]) <= T_MAX * (1.0 + 1e-12)).all()
     np.testing.assert_array_equal(np.clip(found.thrust[:, 4], -42.0, 42.0), found.thrust[:, 4])
     met = found.load <= 1.0
@@ -74,18 +80,18 @@ def test_every_demand_within_its_portion_is_met() -> None:
 def test_channels_are_independent() -> None:
     """Whatever is asked of the others, surge and yaw come out the same to rounding; so do heave and pitch as a pair."""
     tau = demands(10_000, 3.0)
-    out = forces(portion(*tau.T, CROSS, PORTIONS, T_MAX).thrust)
+    out = forces(divide(tau, PORTIONS, T_MAX).thrust)
     for axis, others in ((0, [1, 2, 3]), (3, [0, 1, 2])):
         alone = tau.copy()
         alone[:, others] = 0.0
         np.testing.assert_allclose(
-            forces(portion(*alone.T, CROSS, PORTIONS, T_MAX).thrust)[:, axis], out[:, axis], atol=1e-12 * SURGE
+            forces(divide(alone, PORTIONS, T_MAX).thrust)[:, axis], out[:, axis], atol=1e-12 * SURGE
         )
         limit = (SURGE, np.nan, np.nan, TURN)[axis]
         np.testing.assert_allclose(out[:, axis], np.clip(tau[:, axis], -limit, limit), atol=1e-12 * SURGE)
     together = tau.copy()
     together[:, [0, 3]] = 0.0
-    lonely = forces(portion(*together.T, CROSS, PORTIONS, T_MAX).thrust)
+    lonely = forces(divide(together, PORTIONS, T_MAX).thrust)
     np.testing.assert_allclose(lonely[:, 1:3], out[:, 1:3], atol=1e-12 * SURGE)
 
 
@@ -95,13 +101,13 @@ def test_as_printed_only_a_portion_is_served() -> None:
     assert thrust < T_MAX
     printed = 0.6 * thrust
     assert 4.0 * cos(DELTA) * printed == pytest.approx(12.0)
-    found = portion(*np.array([20.0, 0.0, 0.0, 0.0]), CROSS, PORTIONS, T_MAX)
+    found = divide(np.array([20.0, 0.0, 0.0, 0.0]), PORTIONS, T_MAX)
     assert forces(found.thrust)[0] == pytest.approx(20.0)
 
 
 def test_heave_and_pitch_by_hand() -> None:
     """T_B = (M - L_s Z) / 1.8 and 2 T_psi sin(delta) = (M + L_b Z) / 1.8: heave without by-product."""
-    found = portion(*np.array([0.0, 0.0, 9.0, 0.0]), CROSS, PORTIONS, T_MAX)
+    found = divide(np.array([0.0, 0.0, 9.0, 0.0]), PORTIONS, T_MAX)
     psi = 5.0 / (2.0 * sin(DELTA))
     np.testing.assert_allclose(found.thrust, [-psi, psi, 0.0, 0.0, 5.0], atol=1e-14)
     np.testing.assert_allclose(forces(found.thrust), [0.0, 0.0, 9.0, 0.0], atol=1e-14)
@@ -113,7 +119,7 @@ def test_heave_and_pitch_by_hand() -> None:
 @pytest.mark.parametrize(("heave", "pitch"), [(10.0, 60.0), (-100.0, 2.0), (80.0, 120.0), (-300.0, -1.0)])
 def test_heave_and_pitch_are_reduced_together(heave: float, pitch: float) -> None:
     """Beyond the bow thruster or the portion of pitch: neither turns round for the other."""
-    found = portion(*np.array([0.0, heave, pitch, 0.0]), CROSS, PORTIONS, T_MAX)
+    found = divide(np.array([0.0, heave, pitch, 0.0]), PORTIONS, T_MAX)
     assert found.load > 1.0
     np.testing.assert_allclose(forces(found.thrust), np.array([0.0, heave, pitch, 0.0]) / found.load, atol=1e-12)
     at_limit = [abs(found.thrust[4]) == pytest.approx(42.0), abs(found.thrust[1]) == pytest.approx(0.4 * T_MAX)]
@@ -123,10 +129,10 @@ def test_heave_and_pitch_are_reduced_together(heave: float, pitch: float) -> Non
 def test_no_demand_and_no_thrust() -> None:
     zero = np.zeros(4)
     for limit in (0.0, T_MAX):
-        found = portion(*zero, CROSS, PORTIONS, limit)
+        found = divide(zero, PORTIONS, limit)
         np.testing.assert_array_equal(found.thrust, 0.0)
         assert found.load == 0.0
-    found = portion(*np.ones(4), CROSS, PORTIONS, 0.0)
+    found = divide(np.ones(4), PORTIONS, 0.0)
     np.testing.assert_array_equal(found.thrust[:4], 0.0)
     assert np.isinf(found.load)
 
@@ -148,4 +154,4 @@ def test_bad_portions(portions: tuple[float, float, float], message: str) -> Non
 @pytest.mark.parametrize("limit", [-1.0, float("nan"), float("inf")])
 def test_bad_limit(limit: float) -> None:
     with pytest.raises(InputError, match="thrust_max: expected a finite number, 0 or more, found"):
-        portion(*np.zeros(4), CROSS, PORTIONS, limit)
+        divide(np.zeros(4), PORTIONS, limit)

@@ -234,7 +234,12 @@ def _times(types: Typestore, kind: str, prefix: str, depth: int = 0) -> Iterator
         raise ValueError(f"{kind}: contains itself")
     for name, form in types.fielddefs[kind][1]:
         inner = _inner(form)
+        if inner and inner not in types.fielddefs:
+            raise ValueError(f"{inner} is not defined")
         if inner in _TIMES:
+            parts = [part for part, _ in types.fielddefs[inner][1]]
+            if parts != ["sec", "nanosec"]:
+                raise ValueError(f"{inner}: expected sec, nanosec, found {', '.join(parts)}")
             yield f"{prefix}{name}", None
         elif inner:
             yield from _times(types, inner, f"{prefix}{name}.", depth + 1)

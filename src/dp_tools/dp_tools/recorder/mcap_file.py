@@ -124,6 +124,7 @@ class McapFile:
         self._start = 0
         self._end = 0
         self._pending = 0
+        self._crc = 0  # of all that is in the file
         self.size = 0
         """Bytes in the file."""
         self.summary_size = _SUMMARY_REST
@@ -264,7 +265,7 @@ class McapFile:
 
     def finish(self) -> None:
         """Write the summary; end the open chunk first. The stream stays open."""
-        data_end = _encode([DataEnd(data_section_crc=0)])
+        data_end = _encode([DataEnd(data_section_crc=self._crc)])
         start = self.size + len(data_end)
         builder = RecordBuilder()
         groups: list[tuple[Opcode, list[McapRecord]]] = [
@@ -322,3 +323,4 @@ class McapFile:
             self._stream.truncate(self.size)
             raise
         self.size += len(data)
+        self._crc = zlib.crc32(data, self._crc)

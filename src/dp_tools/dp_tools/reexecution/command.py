@@ -121,7 +121,9 @@ def _verify(console: Console, one: Reexecution, asked: Asked) -> bool:
         verdict = f"[green]identical[/]: {same} messages"
         if asked.tolerance > 0.0:
             verdict = f"[green]the same within {asked.tolerance:g}[/]: {same} messages"
-        console.print(f"{one.subject.name}: {verdict}")
+        if one.broken is not None:
+            verdict += f"; {_broken(one)}"
+        console.print(f"{one.subject.name}: {verdict}", soft_wrap=True)
     else:
         firsts = [(spot.simulated, comparison.topic, spot) for comparison in comparisons if (spot := comparison.first)]
         _, topic, spot = min(firsts, key=lambda first: first[:2])
@@ -129,7 +131,21 @@ def _verify(console: Console, one: Reexecution, asked: Asked) -> bool:
             f"{one.subject.name}: [red]differs[/], first at {spot.simulated:.3f} s in {topic}, {spot.path}",
             soft_wrap=True,
         )
+        if one.begins:
+            console.print(
+                f"        as is to be expected where a node had been running before: {one.begins}", soft_wrap=True
+            )
+        if one.broken is not None:
+            console.print(f"        {_broken(one)}", soft_wrap=True)
     return agrees
+
+
+def _broken(one: Reexecution) -> str:
+    broken = one.broken
+    if broken is None:
+        return ""
+    at = (broken.time - one.subject.recording.start) * 1e-9
+    return f"[yellow]{broken.reason} at {at:.3f} s of the bag: what came after is not judged[/]"
 
 
 def _tell(console: Console, one: Reexecution, wall: float) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import defaultdict, deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -24,11 +25,14 @@ class Evidence:
     ----------
     unheard
         Number of messages by topic that were published before the node answered its first, or after its last.
+    early
+        Number of an operator's messages by topic whose answers came before the recording of the answers began.
     """
 
     acts: list[Act[Item]] = field(default_factory=list)
     loose: list[Loose[Item]] = field(default_factory=list)
     unheard: dict[str, int] = field(default_factory=dict)
+    early: dict[str, int] = field(default_factory=dict)
 
     def act(self, item: Item, published: int, answers: Sequence[Recorded]) -> None:
         """Add something with its answers, in the order in which they were published."""
@@ -101,6 +105,7 @@ def evidence_of(name: str, node: Node) -> Evidence:
         answered = used.get(topic)
         # What was published before the node heard anything was not heard; nor was what came after its last answer.
         first, last = (min(answered), max(answered)) if answered else (0, len(messages) - 1)
+        first = 0 if found.early.get(topic) else first
         unheard = first + len(messages) - 1 - last
         if unheard and messages:
             found.unheard[topic] = unheard
@@ -149,9 +154,11 @@ def _controller(node: Node, found: Evidence) -> dict[str, set[int]]:
     for demand in node.outputs.get("tau_desired", ()):
         own.after(stamp_of(demand.data), demand.published)
     free = [status for i, status in enumerate(statuses) if i not in own.taken]
+    spoken = sorted(one.published for one in (*node.outputs.get("tau_desired", ()), *statuses))
     for time, _change in node.changes:
         answer = next((status for status in free if status.published >= time), None)
-        if answer is not None:
+        # Nothing else is said before the answer: one that was not recorded must not take that of a set point.
+        if answer is not None and answer.published == spoken[bisect_left(spoken, time)]:
             free.remove(answer)
     asked = sorted(
         ((message.published, topic, i) for topic in _OPERATOR for i, message in enumerate(node.inputs.get(topic, ())))
@@ -166,6 +173,10 @@ def _controller(node: Node, found: Evidence) -> dict[str, set[int]]:
                 used.setdefault(topic, set()).add(i)
                 asked.remove((published, topic, i))
                 break
+    if statuses and statuses[0].number > 1:
+        # The recording missed the first answers: what they answered was heard all the same.
+        for topic in used.keys() & set(_OPERATOR):
+            found.early[topic] = sum(one.published < statuses[0].published for one in node.inputs[topic])
     return used
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,6 +17,7 @@ from dp_node import DpNode, to_nanoseconds
 from dp_tools.node_settings import ALLOCATOR, CONTROLLER, DRIVERS, OBSERVER, SIMULATOR
 from dp_tools.recorder.attachments import VESSEL_ATTACHMENT
 from dp_tools.recorder.schemas import full_definition
+from dp_tools.reexecution.breaks import Break, first_break, until
 from dp_tools.reexecution.detached import Caught, detached_node
 from dp_tools.reexecution.errors import ReexecutionError
 from dp_tools.reexecution.evidence import Evidence, Node, evidence_of, in_process_evidence
@@ -79,6 +80,11 @@ class Reexecution:
         What the bag does not say for certain, and what the present code takes otherwise.
     moved
         How often the outputs told the order of inputs, where publish times leave it open.
+    broken
+        Where the node was restarted or deactivated: what came after was neither fed nor is it compared. None if it
+        lived on to the end.
+    begins
+        Why the node had been running before the recording began; empty if it had not.
     """
 
     subject: Subject
@@ -88,6 +94,8 @@ class Reexecution:
     steps: int
     notes: list[str]
     moved: int
+    broken: Break | None = None
+    begins: str = ""
 
     @property
     def types(self) -> dict[str, str]:
@@ -113,6 +121,10 @@ def reexecute(subject: Subject, progress: Progress = lambda done, of: None) -> R
     DpError
         If the node refuses to start.
     """
+    broken = _break(subject)
+    if broken is not None:
+        outputs_of = [subject.namespace + topic for topic in OUTPUTS[subject.name]]
+        subject = replace(subject, recording=until(subject.recording, broken, outputs_of))
     recording = subject.recording
     parameters = node_parameters(recording, subject.namespace, subject.name, subject.given)
     start = _start(subject, parameters)
@@ -143,7 +155,26 @@ def reexecute(subject: Subject, progress: Progress = lambda done, of: None) -> R
             f"from input {run.gave_up} of {len(order.acts)} on, no order of inputs gives the recorded outputs; "
             "differences after the first may come from another order"
         )
-    return Reexecution(subject, outputs, kinds, class_name, len(order), notes, run.moved)
+    return Reexecution(
+        subject, outputs, kinds, class_name, len(order), notes, run.moved, broken, _begins(subject, list(kinds))
+    )
+
+
+def _break(subject: Subject) -> Break | None:
+    """Return where the node was restarted or deactivated; a run in process has neither."""
+    if subject.recording.in_process:
+        return None
+    outputs = {topic: subject.messages(topic) for topic in OUTPUTS[subject.name]}
+    return first_break(outputs, subject.messages(f"{subject.name}/transition_event"))
+
+
+def _begins(subject: Subject, outputs: Sequence[str]) -> str:
+    """Return of which output the first messages were not recorded; empty if all were."""
+    for topic in outputs:
+        first = next((message.number for message in subject.messages(topic)), 0)
+        if first > 1:
+            return f"the recording begins with message {first} of {topic}"
+    return ""
 
 
 def _parameter_notes(node: DpNode[Any], subject: Subject, parameters: NodeParameters) -> list[str]:
@@ -234,6 +265,16 @@ INPUTS: Mapping[str, tuple[str, ...]] = {
     ALLOCATOR: ("tau_desired", "thruster_feedback", "ventilation"),
     DRIVERS: ("thruster_feedback", "thruster_command", "odometry"),
     SIMULATOR: ("actuator_setpoint",),
+}
+
+
+# By these the life of a node is seen.
+OUTPUTS: Mapping[str, tuple[str, ...]] = {
+    OBSERVER: ("odometry", "observer_state"),
+    CONTROLLER: ("tau_desired", "controller_status"),
+    ALLOCATOR: ("thruster_command", "tau_achieved", "allocation_status"),
+    DRIVERS: ("actuator_setpoint", "ventilation"),
+    SIMULATOR: ("truth", "thruster_feedback", "clock"),
 }
 
 

@@ -1,0 +1,57 @@
+"""Hops through two lines: blocks in turn, each line with its own requests, the warm-up not counted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import count
+
+import pytest
+
+from benchmarks.hop import hop_results, hops_in_turn
+
+WARM_UP = 20
+
+
+class Watched:
+    """Stands for the operator: looks after the processes once a block."""
+
+    blocks = 0
+
+    def watch(self) -> None:
+        self.blocks += 1
+
+
+class Line:
+    """Answers request k after k us."""
+
+    def __init__(self, name: str, order: list[str]) -> None:
+        self.name = name
+        self.order = order
+
+    def hop(self, request: int) -> float:
+        self.order.append(self.name)
+        return request * 1e-6
+
+
+def numbers() -> Iterator[int]:
+    return iter(count())
+
+
+def test_blocks_are_in_turn_and_the_order_turns_round() -> None:
+    order: list[str] = []
+    watched = Watched()
+    times = hops_in_turn(watched, (Line("a", order), Line("b", order)), (numbers(), numbers()), blocks=3, size=2)
+    assert order[: 2 * WARM_UP] == ["a"] * WARM_UP + ["b"] * WARM_UP
+    assert "".join(order[2 * WARM_UP :]) == "aabb" + "bbaa" + "aabb"
+    assert watched.blocks == 6
+    # Each went through its own requests, of which the warm-up took the first.
+    for own in times:
+        assert own == pytest.approx([WARM_UP + k for k in range(6)])
+
+
+def test_the_first_line_stands_beside_the_second() -> None:
+    median, p99 = hop_results("hop", ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0]), "peer", 1.5, ", load 0.1")
+    assert (median.name, median.value, median.peer_value) == ("hop_median", 2.0, 5.0)
+    assert p99.name == "hop_p99"
+    assert p99.value <= 3.0
+    assert median.note == "round trip, 3 requests each in alternate blocks, load 0.1"
