@@ -27,7 +27,8 @@ from thrust_allocator.result import AllocationResult, Status
 from thrust_allocator.settings import AllocatorSettings, check_settings
 from thrust_allocator.step import Total
 
-VENTILATION, ODOMETRY = "ventilation", "odometry"
+VENTILATION = "ventilation"
+ODOMETRY = "odometry"
 _INITIAL = ("vessel", "feedback")
 
 

@@ -102,17 +102,19 @@ def test_units_stand_where_the_definition_tells_them(tmp_path: Path) -> None:
     import pyarrow.parquet
 
     status = AllocationStatus(status="optimal", slack=[0.1, 0.2, 0.3], bus_power=[1.0])
-    bag = make_bag(
-        tmp_path / "bag", [("/allocation_status", 0.0, status)], {"/allocation_status": "dp_msgs/msg/AllocationStatus"}
-    )
-    with open_bag(bag) as opened:
+    observed = ObserverState(bias=[0.1, 0.2, 0.3])
+    kinds = {"/allocation_status": "dp_msgs/msg/AllocationStatus", "/observer_state": "dp_msgs/msg/ObserverState"}
+    messages = [("/allocation_status", 0.0, status), ("/observer_state", 0.0, observed)]
+    with open_bag(make_bag(tmp_path / "bag", messages, kinds)) as opened:
         ((_, path, *_),) = write_tables(opened, ["/allocation_status"], tmp_path)
-        ((_, parquet, *_),) = write_tables(opened, ["/allocation_status"], tmp_path, parquet=True)
+        ((_, other, *_),) = write_tables(opened, ["/observer_state"], tmp_path)
+        ((_, parquet, *_),) = write_tables(opened, ["/observer_state"], tmp_path, parquet=True)
     head, _ = read_csv(path)
+    bias, _ = read_csv(other)
+    assert {"bias[0] [N]", "bias[2] [N m]"} <= set(bias)
     for name in (
         "header.stamp [ns]",
-        "slack[0] [N]",
-        "slack[2] [N m]",
+        "slack[0]",  # along which axis, the definition does not tell
         "demanded_power [W]",
         "weakest_azimuth [rad]",
         "cost",
@@ -120,10 +122,10 @@ def test_units_stand_where_the_definition_tells_them(tmp_path: Path) -> None:
     ):
         assert name in head
     schema = pyarrow.parquet.read_schema(parquet)
-    assert schema.field("slack[2]").metadata == {b"unit": b"N m"}
-    assert schema.field("cost").metadata is None
+    assert schema.field("bias[2]").metadata == {b"unit": b"N m"}
+    assert schema.field("valid").metadata is None
     # In the order of the definition.
-    assert head.index("status") < head.index("slack[0] [N]") < head.index("bus_power[0] [W]") < head.index("released")
+    assert head.index("status") < head.index("slack[0]") < head.index("bus_power[0] [W]") < head.index("released")
 
 
 def test_comments_of_definitions() -> None:
