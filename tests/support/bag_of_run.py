@@ -54,6 +54,8 @@ def _empty(form: Any) -> Any:
     if kind is Nodetype.BASE:
         return {"string": "", "bool": False}.get(detail[0], 0.0 if detail[0].startswith("float") else 0)
     (_, (base, _)), length = detail
+    if base == "string":
+        return [""] * length
     return np.zeros(length, dtype=bool if base == "bool" else base)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from dp_msgs.msg import ActuatorSetpoint, AllocationStatus
+from dp_msgs.msg import ActuatorSetpoint, AllocationStatus, ObserverState
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sensor_msgs.msg import JointState, PointField
