@@ -204,7 +204,7 @@ def test_controller_demands_what_its_core_says() -> None:
         assert out[0] == 60.0
         assert abs(out[2]) > 1.0
         told = float(bench.diagnostics()["depth_error_m"])
-        assert told == pytest.approx(below.error[0], rel=1e-5)  # six digits
+        assert told == pytest.approx(last.vertical_error[0], rel=1e-5)  # six digits
 
 
 def test_vessels_on_the_surface_carry_nothing_below() -> None:

@@ -570,7 +570,9 @@ def test_parameters_change_the_sea_live_and_are_refused_whole(graph: Callable[..
     # From the regular waves to an irregular sea in one change, of which no part alone would do.
     sea = {"waves.kind": "jonswap", "waves.significant_height": 0.06, "waves.peak_period": 0.9, "waves.spreading": 10.0}
     assert one.sim.set_parameters_atomically([Parameter(name, value=value) for name, value in sea.items()]).successful
-    assert len(one.sim._simulator._waves.components) == 100
+    simulator = one.sim._simulator
+    assert isinstance(simulator, Simulator)
+    assert len(simulator._waves.components) == 100
     refused = one.sim.set_parameters_atomically([Parameter("waves.peak_period", value=0.7)])
     assert not refused.successful
     assert "expected height over length at the peak at most 1/15" in refused.reason
