@@ -274,6 +274,9 @@ class BagOfRun:
             minimum_gain=self._gain("minimum_gain", i),
             minimum_gain_both_ways=self._gain("minimum_gain_both_ways", i),
             minimum_gain_free=self._gain("minimum_gain_free", i),
+            method=self._word("method", i),
+            feasible_load=self._gain("feasible_load", i),
+            **{name: self._row(name, i) for name in ("tau_feasible", "tau_qp") if name in self._run},
         )
 
     def _gain(self, name: str, i: int) -> float:

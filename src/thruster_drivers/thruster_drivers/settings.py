@@ -20,7 +20,7 @@ class CodeMapSettings(Settings):
 
     compensated: bool = setting(
         True,
-        "code_map: true takes the code of a thrust at the vessel's surge speed, from odometry; false the one at rest",
+        "Law code_map: true takes codes for the vessel's surge speed, from odometry; false those at rest",
     )
 
 
