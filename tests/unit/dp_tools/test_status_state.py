@@ -18,6 +18,8 @@ from dp_tools.status.rate import Meter
 from dp_tools.status.screen import fitting_height, render
 from dp_tools.status.state import StatusState
 from dp_tools.status.watch_circle import watch_circle
+from marine_model import load_vessel
+from marine_model.frames import attitude_to_quaternion
 from support.status_messages import GRAPH, VESSEL, allocation_status, diagnostics, healthy, odometry, under_way
 
 NOW = 1000.0
@@ -224,6 +226,24 @@ def test_the_vessel_is_drawn_where_it_is(
     picture, radius = watch_circle(north, east, heading)
     assert radius == (1.0 if north or east else 0.1)
     assert picture.plain.splitlines()[row][column] == arrow
+
+
+def test_a_submerged_vehicle_shows_its_depth_and_the_method_that_divides_its_demands() -> None:
+    state = StatusState("/", load_vessel("ukwial"))
+    message = odometry(10.0)
+    message.pose.pose.position.z = 7.25
+    q = message.pose.pose.orientation
+    q.x, q.y, q.z, q.w = attitude_to_quaternion(0.02, -0.05, 0.35)
+    state.update("odometry", message, NOW)
+    divided = allocation_status(10.0, method="pseudo_inverse", feasible_load=1.14)
+    state.update("allocation_status", divided, NOW)
+    shown = text(state, width=120, height=30)
+    assert "7.250 m  roll 1.1°  pitch -2.9°" in shown
+    assert "optimal, pseudo_inverse" in shown
+    document = to_document(state, NOW)
+    assert document["vessel"]["depth"] == 7.25
+    assert document["vessel"]["pitch"] == pytest.approx(-0.05, abs=1e-12)
+    assert document["margins"]["feasible_load"] == 1.14
 
 
 def test_the_document_is_json_of_the_same() -> None:

@@ -13,6 +13,8 @@ from dp_tools.status.state import SILENT, StatusState
 _MARGINS = (
     "status",
     "azimuth_mode",
+    "method",
+    "feasible_load",
     "solver",
     "margin",
     "margin_turned",
@@ -53,6 +55,12 @@ def _vessel(state: StatusState) -> dict[str, Any]:
     if controller is not None:
         found |= {"mode": controller.mode, "status": controller.status, "answer": controller.message}
         found |= {"reference": list(controller.reference_position), "error": list(controller.error)}
+    below = state.below()
+    if below is not None:
+        found |= {"depth": below[0], "roll": below[1], "pitch": below[2]}
+        if controller is not None:
+            found |= {"vertical_reference": list(controller.vertical_reference)}
+            found |= {"vertical_error": list(controller.vertical_error)}
     if observer is not None:
         found |= {"observer": observer.status, "time_since_measurement": observer.time_since_measurement}
     if wind is not None:

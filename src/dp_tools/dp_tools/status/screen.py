@@ -140,7 +140,10 @@ def _vessel(state: StatusState, now: float) -> Group:
     else:
         v = odometry.twist.twist
         facts.add_row("velocity", f"{_fixed(v.linear.x)}  {_fixed(v.linear.y)} m/s  {_degrees(v.angular.z)}/s")
-    facts.add_row("wind", "–" if wind is None else _wind(wind))
+    if state.vessel is not None and state.vessel.is_submerged:
+        facts.add_row("depth", _below(state))
+    else:
+        facts.add_row("wind", "–" if wind is None else _wind(wind))
     facts.add_row("last fix", "–" if observer is None else f"{observer.time_since_measurement:.1f} s ago")
     age = state.age("odometry", now)
     if pose is None or controller is None:
@@ -155,6 +158,15 @@ def _vessel(state: StatusState, now: float) -> Group:
     both.add_column(width=15, no_wrap=True)
     both.add_row(facts, picture)
     return _titled(f"Vessel, circle of {radius:g} m", both, age)
+
+
+def _below(state: StatusState) -> str:
+    """Return depth, and trim and heel, of a submerged vehicle."""
+    below = state.below()
+    if below is None:
+        return "–"
+    depth, roll, pitch = below
+    return f"{depth:.3f} m  roll {_degrees(roll)}  pitch {_degrees(pitch)}"
 
 
 def _wind(message: object) -> str:
@@ -176,7 +188,9 @@ def _margins(state: StatusState, now: float, width: int) -> Group:
     if status is None:
         table.add_row("status", Text("–", "dim"))
         return _titled("Margins", table)
-    table.add_row("status", f"{status.status}, {status.azimuth_mode}")
+    # The quadratic program is what everybody expects.
+    how = status.azimuth_mode if status.method in ("", "qp") else status.method
+    table.add_row("status", f"{status.status}, {how}")
     bar = max(width - 19, 4)
     for name, value in (("margin", status.margin), ("turned", status.margin_turned)):
         table.add_row(name, _margin(value, bar))

@@ -13,7 +13,7 @@ from dp_tools.status.alarm_log import AlarmLog, ShownAlarm
 from dp_tools.status.rate import Meter
 from marine_model import Vessel
 from marine_model.errors import InputError
-from marine_model.frames import quaternion_to_heading
+from marine_model.frames import quaternion_to_attitude, quaternion_to_heading
 
 # Nodes report once a second: after this long without a report, something is the matter.
 SILENT = 3.0  # s
@@ -203,6 +203,15 @@ class StatusState:
             return at.x, at.y, quaternion_to_heading(q.x, q.y, q.z, q.w)
         except InputError:
             return None
+
+    def below(self) -> tuple[float, float, float] | None:
+        """Return depth (m), roll, pitch (rad) of the estimate of a submerged vehicle; None as :meth:`pose`."""
+        message = self.newest("odometry")
+        if self.vessel is None or not self.vessel.is_submerged or self.pose() is None or message is None:
+            return None
+        at, q = message.pose.pose.position, message.pose.pose.orientation
+        roll, pitch, _ = quaternion_to_attitude(q.x, q.y, q.z, q.w)
+        return at.z, roll, pitch
 
     def thrusters(self) -> list[ThrusterRow]:
         """Return a row for every thruster, in the order of the vessel file or of the messages."""
