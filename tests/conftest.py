@@ -32,16 +32,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 item.add_marker(pytest.mark.flaky(reruns=1))
 
 
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """With `-n auto` one worker more than there are processors.
-
-    Tests of the graph wait for discovery and for the wall clock: test_operator and test_real_time take 63 s of
-    processor time and twice as long, test_faults 76 s and twice as long. Meanwhile one more has something to do.
-    """
-    return len(os.sched_getaffinity(0)) + 1
-
-
 @pytest.fixture
 def ros_domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     """A ROS domain that is this test's own on this machine; in ROS_DOMAIN_ID, for nodes and child processes."""
