@@ -35,7 +35,7 @@ runs: setup ## set up, sail every run of the thesis (GRAPH=1: on the graph), lea
 	$(VENV)/dp scenario run all $(RUNS) --overwrite
 
 test: setup ## set up and run all tests
-	$(VENV)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -rs tests
+	$(VENV)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -rsR tests
 
 lint: setup ## ruff and mypy
 	$(VENV)/ruff check .
