@@ -60,7 +60,9 @@ def test_the_list_says_what_the_command_says(name: str, dp_here: Dp) -> None:
     entry = catalogue.ENTRIES[name]
     found = getattr(import_module(f"dp_tools.commands.{entry.module}"), entry.attribute)
     if not isinstance(found, typer.Typer):
-        assert entry.text == inspect.getdoc(found).partition("\n\n")[0].replace("\n", " ")
+        said = inspect.getdoc(found)
+        assert said is not None
+        assert entry.text == said.partition("\n\n")[0].replace("\n", " ")
     code, output = dp_here(name, "--help")
     assert code == 0
     # What stands there is the command itself: beside the help, options or commands of its own.
