@@ -143,4 +143,6 @@ def test_launch_config_and_scenario_files_are_installed() -> None:
         ("scenarios", "scenarios/*.yaml"),
     ):
         assert f'(f"share/{{package_name}}/{folder}", glob("{pattern}"))' in setup
-        assert sorted((BRINGUP / folder).iterdir()) == sorted(path for path in BRINGUP.glob(pattern))
+        assert sorted(path for path in (BRINGUP / folder).iterdir() if path.is_file()) == sorted(
+            path for path in BRINGUP.glob(pattern)
+        )
