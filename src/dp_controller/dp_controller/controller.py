@@ -16,8 +16,8 @@ from dp_controller.pid import NonlinearPid
 from dp_controller.reference_generator import ReferenceGenerator
 from dp_controller.settings import AxisMode, AxisModes, ControllerSettings, check_settings
 from dp_controller.signals import ControllerInputs, ControllerOutput
+from dp_controller.switching import Switching, law
 from dp_controller.timed_path import TimedPath
-from dp_controller.transfer import Transfer
 from dp_controller.vectors import ZERO, Mask, Triple, limited, masked, product
 from dp_controller.vertical import VerticalController, VerticalInputs
 from dp_controller.wind_feedforward import WindFeedforward
@@ -85,11 +85,8 @@ class Controller:
             ReferenceGenerator(gains.reference.frequency, gains.reference.damping, self._scaled_velocity())
         )
         self._joystick = Joystick()
-        self._transfers = (Transfer(), Transfer(), Transfer())
-        self._laws: list[str] | None = None
+        self._switching = Switching()
         self._time: float | None = None
-        self._retuned = False
-        self._stick_was_stale = False
         self._demand: Triple = ZERO
         self._demand_unlimited: Triple = ZERO
         self._message = ""
@@ -132,7 +129,7 @@ class Controller:
             self._vertical.apply(settings)
         self._pid.gains = self._scaled_gains()
         self._guidance.generator.velocity_max = self._scaled_velocity()
-        self._retuned = self._retuned or any(
+        self._switching.retuned = self._switching.retuned or any(
             getattr(before, name) != getattr(settings, name)
             for name in ("proportional_scale", "derivative_scale", "velocity_scale")
         )
@@ -315,7 +312,7 @@ class Controller:
             self._guidance.lose(automatic)
             error = proportional = derivative = ZERO
             follows = False
-        staying = self._staying(automatic)
+        staying = self._switching.staying(automatic)
         feedforward = masked(self._feedforward.step(wind, dt, settings.wind_feedforward, any(staying)), automatic)
         self._integrate(automatic, staying, feedforward, error, achieved, elapsed, inputs.valid)
         integral = self._pid.force
@@ -328,13 +325,12 @@ class Controller:
             proportional[2] + integral[2] + derivative[2] + feedforward[2] + joystick[2],
         )
         stick_is_fresh = self._joystick.is_fresh(now, settings.joystick_timeout)
-        laws = [_law(mode, inputs.valid, follows) for mode in modes]
-        transfer = self._transfer(laws, raw, stick_is_fresh, dt)
+        laws = [law(mode, inputs.valid, follows) for mode in modes]
+        given = self._joystick.time is not None, stick_is_fresh
+        transfer = self._switching.step(laws, self._demand, raw, given, settings.transfer_time, dt)
         demand = (raw[0] + transfer[0], raw[1] + transfer[1], raw[2] + transfer[2])
         self._demand_unlimited = demand
         self._demand = limited(demand, settings.tau_max)
-        self._laws = laws
-        self._stick_was_stale = self._joystick.time is not None and not stick_is_fresh
 
         vertical = None if self._vertical is None else self._vertical.step(below, now, dt, elapsed)
         by_hand = any(manual) or (vertical is not None and "joystick" in vertical.axis_mode)
@@ -390,14 +386,6 @@ class Controller:
         x, y, z, roll, pitch, yaw = finite_vector(name, values, 6).tolist()
         return (x, y, yaw), (z, roll, pitch)
 
-    def _staying(self, automatic: Mask) -> Mask:
-        """Return which axes are automatic and were so in the sample before."""
-        before = self._laws
-        if before is None:
-            return False, False, False
-        a, b, c = (automatic[i] and before[i] not in ("off", "joystick") for i in range(3))
-        return a, b, c
-
     def _integrate(
         self,
         automatic: Mask,
@@ -409,7 +397,7 @@ class Controller:
         valid: bool,
     ) -> None:
         """Advance, hold, begin or clear the integral of every axis."""
-        before = self._laws
+        before = self._switching.laws
         force, demand = self._pid.force, self._demand
         wind, switched = self._feedforward.force, self._feedforward.switched
         begun = [0.0, 0.0, 0.0]  # a manual axis keeps none
@@ -427,24 +415,6 @@ class Controller:
         got, asked = demand if achieved is None else achieved, self._demand_unlimited
         shortfall = masked((got[0] - asked[0], got[1] - asked[1], got[2] - asked[2]), staying)
         self._pid.integrate(masked(error, staying), shortfall, dt, self._settings.anti_windup_time)
-
-    def _transfer(self, laws: list[str], raw: Triple, stick_is_fresh: bool, dt: float) -> Triple:
-        """Return the fading part of the demand, begun anew in every axis whose law changes in this sample."""
-        before, fade = self._laws, self._settings.transfer_time
-        stick_is_back = stick_is_fresh and self._stick_was_stale
-        for i, part in enumerate(self._transfers):
-            changed = before is not None and (
-                laws[i] != before[i]
-                or (self._retuned and laws[i] not in ("off", "joystick"))
-                or (stick_is_back and laws[i] == "joystick")
-            )
-            if changed:
-                part.begin(self._demand[i] - raw[i], fade)
-            else:
-                part.advance(dt)
-        self._retuned = False
-        a, b, c = self._transfers
-        return a.force, b.force, c.force
 
     def _status(self, valid: bool, track: bool, by_hand: bool, stick_is_fresh: bool, dt: float) -> str:
         states = []
@@ -510,12 +480,3 @@ def _pair(name: str, value: ArrayLike) -> tuple[float, float]:
 
 def _mask(modes: tuple[AxisMode, AxisMode, AxisMode], mode: AxisMode) -> Mask:
     return modes[0] == mode, modes[1] == mode, modes[2] == mode
-
-
-def _law(mode: AxisMode, valid: bool, follows: bool) -> str:
-    """Return the name of what makes the demand in one axis: at a change of it the demand could jump."""
-    if mode != "automatic":
-        return mode
-    if not valid:
-        return "hold"
-    return "error_feedback" if follows else "vessel_feedback"

@@ -15,8 +15,8 @@ import numpy as np
 from dp_controller.joystick import Joystick
 from dp_controller.pid import NonlinearPid
 from dp_controller.reference_generator import ReferenceGenerator
-from dp_controller.settings import AxisMode, AxisModes, ControllerSettings
-from dp_controller.transfer import Transfer
+from dp_controller.settings import AxisModes, ControllerSettings
+from dp_controller.switching import Switching, law
 from dp_controller.vectors import ZERO, Mask, Triple, both, limited, masked, product
 from marine_model.axes import VERTICAL
 from marine_model.frames import wrap_angle
@@ -96,18 +96,15 @@ class VerticalController:
         ]
         self._pid = NonlinearPid(ZERO, ZERO, ZERO)
         self._joystick = Joystick()
-        self._transfers = (Transfer(), Transfer(), Transfer())
+        self._switching = Switching()
         self._target = [0.0, 0.0, 0.0]
         self._waiting: Triple | None = None
-        self._laws: list[str] | None = None
         self._demand: Triple = ZERO
         self._unlimited: Triple = ZERO
         self._live = False  # the reference is no older than one sample
         self._held: Mask = (False, False, False)  # which axes have a target
-        self._retuned = False
-        self._stick_was_stale = False
         self.apply(settings)
-        self._retuned = False
+        self._switching.retuned = False
 
     def apply(self, settings: ControllerSettings) -> None:
         """Swap the settings; they hold from the next step on."""
@@ -117,13 +114,16 @@ class VerticalController:
             product(self._gains.integral, scale.integral_scale),
             product(self._gains.derivative, scale.derivative_scale),
         )
-        self._retuned = self._retuned or (gains[0], gains[2]) != (self._pid.gains[0], self._pid.gains[2])
+        self._switching.retuned = self._switching.retuned or (gains[0], gains[2]) != (
+            self._pid.gains[0],
+            self._pid.gains[2],
+        )
         self._pid.gains = gains
         limits = zip(self._gains.reference.velocity_max, scale.velocity_scale, strict=True)
         for generator, (limit, share) in zip(self._generators, limits, strict=True):
             if generator.velocity_max[0] != limit * share:
                 generator.velocity_max = (limit * share, 1.0, 1.0)
-                self._retuned = True
+                self._switching.retuned = True
         self._settings = settings
 
     def modes(self) -> AxisModes:
@@ -165,7 +165,7 @@ class VerticalController:
             achieved = None if inputs.achieved is None else _triple(inputs.achieved)
         automatic = modes[0] == "automatic", modes[1] == "automatic", modes[2] == "automatic"
         manual = modes[0] == "joystick", modes[1] == "joystick", modes[2] == "joystick"
-        staying = self._staying(automatic)
+        staying = self._switching.staying(automatic)
         error = proportional = derivative = ZERO
         follows = settings.velocity_feedback == "error"
         if valid:
@@ -181,7 +181,9 @@ class VerticalController:
         joystick = masked(stick, manual)
         integral = self._pid.force
         raw = _sum(proportional, integral, derivative, joystick)
-        transfer = self._transfer([_law(mode, valid, follows) for mode in modes], raw, now, dt)
+        laws = [law(mode, valid, follows) for mode in modes]
+        given = self._joystick.time is not None, self._joystick.is_fresh(now, settings.joystick_timeout)
+        transfer = self._switching.step(laws, self._demand, raw, given, settings.transfer_time, dt)
         demand = _sum(raw, transfer)
         self._unlimited = demand
         self._demand = limited(demand, settings.vertical.tau_max)
@@ -191,14 +193,6 @@ class VerticalController:
             _wrapped(self._reference()),
             *(np.array(part) for part in (error, proportional, integral, derivative, joystick, transfer)),
         )
-
-    def _staying(self, automatic: Mask) -> Mask:
-        """Return which axes are automatic and were so in the sample before."""
-        before = self._laws
-        if before is None:
-            return False, False, False
-        a, b, c = (automatic[i] and before[i] not in ("off", "joystick") for i in range(3))
-        return a, b, c
 
     def _guide(self, position: Triple, velocity: Triple, automatic: Mask, dt: float) -> None:
         """Move the reference of every automatic axis; the others go along with the vehicle."""
@@ -254,35 +248,6 @@ class VerticalController:
         got, asked = demand if achieved is None else achieved, self._unlimited
         shortfall = masked((got[0] - asked[0], got[1] - asked[1], got[2] - asked[2]), staying)
         self._pid.integrate(masked(error, staying), shortfall, dt, self._settings.anti_windup_time)
-
-    def _transfer(self, laws: list[str], raw: Triple, now: float, dt: float) -> Triple:
-        """Return the fading part of the demand, begun anew in every axis whose law changes."""
-        before, fade = self._laws, self._settings.transfer_time
-        fresh = self._joystick.is_fresh(now, self._settings.joystick_timeout)
-        back = fresh and self._stick_was_stale
-        for i, part in enumerate(self._transfers):
-            changed = before is not None and (
-                laws[i] != before[i]
-                or (self._retuned and laws[i] not in ("off", "joystick"))
-                or (back and laws[i] == "joystick")
-            )
-            if changed:
-                part.begin(self._demand[i] - raw[i], fade)
-            else:
-                part.advance(dt)
-        self._retuned = False
-        self._laws = laws
-        self._stick_was_stale = self._joystick.time is not None and not fresh
-        a, b, c = self._transfers
-        return a.force, b.force, c.force
-
-
-def _law(mode: AxisMode, valid: bool, follows: bool) -> str:
-    if mode != "automatic":
-        return mode
-    if not valid:
-        return "hold"
-    return "error_feedback" if follows else "vessel_feedback"
 
 
 def _wrapped(position: Triple) -> FloatArray:
