@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import time
 from collections.abc import Callable, Sequence
 from types import FrameType
 
@@ -14,12 +13,9 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from dp_node.executor import RingExecutor
+from dp_node.hand_over import hand_over
 from dp_node.node import DpNode
 from marine_model.errors import DpError
-
-# Publishers are given this long to hand their last messages over.
-_ACKNOWLEDGE_SECONDS = 2.0
-
 
 # A process that starts others puts its process id here: they end when it does, however it ends.
 PARENT_VARIABLE = "DP_PARENT_PID"
@@ -76,16 +72,10 @@ def run_node(make: Callable[[], Node]) -> None:
 
 
 def _close(executor: RingExecutor, nodes: list[Node]) -> None:
-    from rclpy.duration import Duration
-
     for node in nodes:
         if isinstance(node, DpNode) and node.active:
             node.trigger_shutdown()
-    # All together: a reader that was killed never acknowledges, on any topic.
-    deadline = time.monotonic() + _ACKNOWLEDGE_SECONDS
-    for node in nodes:
-        for publisher in node.publishers:
-            publisher.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))
+    hand_over(publisher for node in nodes for publisher in node.publishers)
     executor.shutdown()
     for node in nodes:
         node.destroy_node()

@@ -26,9 +26,6 @@ from dp_tools.run_folder import RunFolder
 from dp_tools.scenario import Scenario
 from marine_model.errors import DpError
 
-# For how long a second node of one name must be known without a break before it counts, s.
-_COMPANY_STAYS = 2.0
-
 
 class GraphRunningError(DpError):
     """A graph runs already where this one was to start."""
@@ -204,14 +201,7 @@ class GraphRun:
 
     def _refuse_company(self, one: Operator, ours: int) -> None:
         """Raise GraphRunningError if more than ``ours`` nodes have one name: two graphs would mix their messages."""
-
-        def company() -> list[str]:
-            return sorted(name for name, count in Counter(present(one)).items() if count > ours)
-
-        found = company()
-        if found and ours:
-            # Discovery may tell of a node of our own twice for a moment; another graph stays.
-            found = one.settled(company, quiet=_COMPANY_STAYS)
+        found = sorted(name for name, count in Counter(present(one)).items() if count > ours)
         if found:
             domain = os.environ.get("ROS_DOMAIN_ID", "0")
             raise GraphRunningError(

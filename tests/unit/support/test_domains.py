@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from support.domains import DOMAIN_IDS, reserve_domain_id
+from support.domains import DOMAIN_IDS, PARTICIPANTS, discovery_ports, reserve_domain_id
 from support.waiting import wait_until
 
 TESTS = Path(__file__).resolve().parents[2]
@@ -52,9 +52,10 @@ def test_a_domain_held_by_another_process_is_not_given_out(tmp_path: Path) -> No
             assert domain_id == spare
 
 
-def test_a_domain_in_use_without_a_reservation_is_passed_over(tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [0, 1, 2, PARTICIPANTS])
+def test_a_domain_in_use_without_a_reservation_is_passed_over(number: int, tmp_path: Path) -> None:
     with reserve_domain_id() as spare, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-        stranger.bind(("", 7400 + 250 * spare))
+        stranger.bind(("", discovery_ports(spare)[number]))
         with pytest.raises(RuntimeError, match="is taken"), reserve_domain_id([spare], tmp_path):
             pass
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
@@ -15,14 +13,13 @@ from std_srvs.srv import Trigger
 
 from dp_bringup.message_types import MessageTypeError, message_class
 from dp_node import from_nanoseconds
+from dp_node.hand_over import hand_over
 from dp_tools.bags.bag import Bag, BagTopic
 from dp_tools.bags.errors import BagError
 from dp_tools.replay.player import Player
 from dp_tools.replay.quality import replayed_quality
 
 CLOCK_KIND = "rosgraph_msgs/msg/Clock"
-# How long readers are given to take over the last messages, s.
-_ACKNOWLEDGE_SECONDS = 2.0
 
 
 class Outlets:
@@ -92,9 +89,7 @@ class Outlets:
 
     def settle(self) -> None:
         """Wait until everything sent is acknowledged, not longer than a reader that is alive needs."""
-        deadline = time.monotonic() + _ACKNOWLEDGE_SECONDS
-        for publisher in self.publishers.values():
-            publisher.wait_for_all_acked(Duration(seconds=max(0.0, deadline - time.monotonic())))
+        hand_over(self.publishers.values())
 
 
 def _kind(bag: Bag, name: str) -> str:
