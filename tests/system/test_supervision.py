@@ -96,7 +96,8 @@ class Watch:
         message.header.stamp = from_nanoseconds(1_000_000)
         message.pose.position.x, message.pose.position.y = SET_POINT[:2]
         message.pose.orientation.z, message.pose.orientation.w = math.sin(SET_POINT[2] / 2), math.cos(SET_POINT[2] / 2)
-        self.one.wait_until(lambda: self._setpoint.get_subscription_count() > 1, 20.0, "listeners of setpoint")
+        # Controller, supervisor and recorder: who is not there yet does not hear it.
+        self.one.wait_until(lambda: self._setpoint.get_subscription_count() == 3, 20.0, "listeners of setpoint")
         self._setpoint.publish(message)
         self.one.wait_until(lambda: self.setpoint_stamp == 1_000_000, 20.0, "the controller to take the set point")
 

@@ -130,10 +130,11 @@ class Children:
     log_folder
         One log file a process is written here.
     patience
-        A process has this long to end after SIGINT, s; then again after SIGTERM, before it is killed.
+        A process has this long to end after SIGINT, s; then again after SIGTERM, before it is killed. A node may wait
+        4 s of it for readers of its last messages.
     """
 
-    def __init__(self, log_folder: Path, patience: float = 5.0) -> None:
+    def __init__(self, log_folder: Path, patience: float = 8.0) -> None:
         self._folder = log_folder
         self._patience = patience
         self._children: list[Child] = []

@@ -43,7 +43,7 @@ class Rules:
     silent_after: float = 3.0
     hang_timeout: float = 10.0
     start_timeout: float = 120.0
-    stop_timeout: float = 5.0
+    stop_timeout: float = 8.0
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from typing import Annotated, Any
 
 import typer
 from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from dp_bringup.graph_nodes import NODES, START_SECONDS, present
@@ -16,6 +18,8 @@ from dp_tools.commands.root import Namespace, console
 from marine_model.errors import DpError
 
 _DISCOVERY_SECONDS = 10.0
+# The supervisor tells its state once a second: after so long it would have told of a restart that has begun.
+_CALL_AGAIN_SECONDS = 4.0
 
 
 class RestartError(DpError):
@@ -50,14 +54,23 @@ def restart(
         one.wait_until(lambda: bool(phases), _DISCOVERY_SECONDS, "the diagnostics of the supervisor")
         unit = node if f"{node}.restarts" in phases else "composed"
         before = int(phases[f"{unit}.restarts"])
-        # Once only: a second call would be a second restart.
-        future = client.call_async(Trigger.Request())
-        one.wait_until(
-            lambda: int(phases[f"{unit}.restarts"]) > before and phases[f"{unit}.phase"] in ("up", "given_up"),
-            START_SECONDS,
-            f"{unit} to be up again",
-        )
-        client.remove_pending_request(future)
+        phase = phases[f"{unit}.phase"]
+        futures: list[Future] = []
+        next_call = 0.0
+
+        def restarted() -> bool:
+            nonlocal next_call
+            now = time.monotonic()
+            untouched = int(phases[f"{unit}.restarts"]) == before and phases[f"{unit}.phase"] == phase
+            # Only while nothing has come of the last one: another call would be another restart.
+            if untouched and now >= next_call and not any(future.done() for future in futures):
+                futures.append(client.call_async(Trigger.Request()))
+                next_call = now + _CALL_AGAIN_SECONDS
+            return int(phases[f"{unit}.restarts"]) > before and phases[f"{unit}.phase"] in ("up", "given_up")
+
+        one.wait_until(restarted, START_SECONDS, f"{unit} to be up again")
+        for future in futures:
+            client.remove_pending_request(future)
     if phases[f"{unit}.phase"] != "up":
         raise RestartError(f"{unit}: given up, {phases.get(f'{unit}.last_end', '')}")
     console.print(f"{unit} is up again")
