@@ -5,9 +5,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
+import numpy as np
+
 from marine_model.errors import InputError
+from marine_model.frames import wrap_angles
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
+from vessel_sim.noise import NoiseStream
+from vessel_sim.propulsion import PropulsionPlant, columns
 from vessel_sim.settings import SimulatorSettings, check_settings
 
 
@@ -74,7 +79,10 @@ class VesselSimulator(ABC):
 
     _vessel: Vessel
     _settings: SimulatorSettings
-    _time: float
+    _plant: PropulsionPlant
+    _pose_noise: NoiseStream
+    _measured: tuple[float, FloatArray | None] | None = None
+    _time: float = 0.0
     _output: SimulatorOutput
 
     @property
@@ -121,7 +129,6 @@ class VesselSimulator(ABC):
             than its own, or ``dt`` is out of range; nothing has moved then.
         """
 
-    @abstractmethod
     def check_pitch(self, pitch_ratio: FloatArray) -> None:
         """Refuse set points of pitch that :meth:`step` would refuse, before it is too late to ask for others.
 
@@ -130,14 +137,21 @@ class VesselSimulator(ABC):
         InputError
             As :meth:`step`.
         """
+        self._plant.check_pitch(pitch_ratio)
 
-    @abstractmethod
     def measure(self) -> FloatArray | None:
         """Return the measured pose now: north (m), east (m), heading (rad in [-pi, pi)), shape (3,).
 
         Of a vessel below the surface north, east, depth (m), roll, pitch, heading (rad), shape (6,). None if this
         measurement is lost. Asked again at the same instant, it gives the same answer.
         """
+        if self._measured is not None and self._measured[0] == self._time:
+            return self._measured[1]
+        noise, chance = self._pose_noise.row()
+        kept = (1.0 - self._vessel.measurement.dropout) * (1.0 - self._settings.pose_dropout)
+        pose = self._pose(noise) if chance < kept else None
+        self._measured = (self._time, pose)
+        return pose
 
     @abstractmethod
     def measure_wind(self) -> FloatArray | None:
@@ -151,6 +165,45 @@ class VesselSimulator(ABC):
     @abstractmethod
     def truth(self) -> SimulatorTruth:
         """Return the true state now."""
+
+    @abstractmethod
+    def _pose(self, noise: FloatArray) -> FloatArray:
+        """Return what the sensors of the pose show now; ``noise`` is standard normal, one number for each."""
+
+    @abstractmethod
+    def _water_at_propellers(self) -> tuple[FloatArray, FloatArray]:
+        """Return submergence (m) and advance speed (m/s) of all propellers now, shape (n,) each."""
+
+    @abstractmethod
+    def _observe(self) -> SimulatorOutput:
+        """Read the thruster sensors."""
+
+    def _begin(self) -> None:
+        """Fill the water around the propellers, and read the sensors for the first time."""
+        depth, flow = self._water_at_propellers()
+        self._plant.flood(flow if self._settings.propulsion.inflow else np.zeros(len(flow)), depth)
+        self._output = self._observe()
+
+    def _take_over(self, settings: SimulatorSettings) -> None:
+        """Let ``settings`` be in force, for the propulsion as well."""
+        self._plant.ventilation = settings.propulsion.ventilation
+        self._plant.fail(settings.propulsion.failed, settings.propulsion.azimuth_failed)
+        self._settings = settings
+
+    def _thruster_truth(self) -> dict[str, FloatArray]:
+        """Return what :class:`SimulatorTruth` says of the thrusters one by one."""
+        state = self._plant.state.T.copy()
+        depth, flow = self._water_at_propellers()
+        return {
+            "thrust": state[columns.THRUST],
+            "azimuth": wrap_angles(state[columns.AZIMUTH]),
+            "shaft_speed": state[columns.SHAFT_SPEED],
+            "pitch_ratio": state[columns.PITCH_RATIO],
+            "thrust_loss": state[columns.THRUST_LOSS],
+            "torque_loss": state[columns.TORQUE_LOSS],
+            "submergence": depth,
+            "advance_speed": flow,
+        }
 
     def _check(self, settings: SimulatorSettings) -> None:
         """Refuse settings that do not fit the vessel, or differ in what is fixed at the start."""

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from marine_model.frames import wrap_angle, wrap_angles
+from marine_model.frames import wrap_angle
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
 from vessel_sim.current import Current
@@ -66,11 +66,9 @@ class Simulator(VesselSimulator):
 
         n = len(vessel.thrusters)
         self._pose_noise, self._thruster_noise = noise_streams(settings.seed, 3, 2 * n)
-        self._measured: tuple[float, FloatArray | None] | None = None
         self._wind_noise = own_stream(settings.seed, "wind_sensor", 2)
         self._wind_measured: tuple[float, FloatArray] | None = None
 
-        self._time = 0.0
         start = settings.initial
         self._motion: FloatArray = np.zeros(MOTION)
         self._motion[:SURGE] = start.north, start.east, start.heading
@@ -81,9 +79,7 @@ class Simulator(VesselSimulator):
         self._meet_sea()
         self._settings = settings
         self.apply(settings)
-        depth, flow = self._water_at_propellers()
-        self._plant.flood(flow if settings.propulsion.inflow else np.zeros(n), depth)
-        self._output = self._observe()
+        self._begin()
 
     def apply(self, settings: SimulatorSettings) -> None:
         """Take over ``settings`` from the next step on: see :class:`VesselSimulator`."""
@@ -96,9 +92,7 @@ class Simulator(VesselSimulator):
         if settings.waves != self._settings.waves:
             self._waves.apply(settings.waves, self._time)
             self._meet_sea()
-        self._plant.ventilation = settings.propulsion.ventilation
-        self._plant.fail(settings.propulsion.failed, settings.propulsion.azimuth_failed)
-        self._settings = settings
+        self._take_over(settings)
 
     def step(self, inputs: SimulatorInputs, dt: float) -> SimulatorOutput:
         """Sail on by ``dt``: see :class:`VesselSimulator`."""
@@ -137,30 +131,6 @@ class Simulator(VesselSimulator):
         self._output = self._observe()
         return self._output
 
-    def check_pitch(self, pitch_ratio: FloatArray) -> None:
-        """Refuse set points of pitch that :meth:`step` would refuse: see :class:`VesselSimulator`."""
-        self._plant.check_pitch(pitch_ratio)
-
-    def measure(self) -> FloatArray | None:
-        """Return the measured pose now: see :class:`VesselSimulator`."""
-        if self._measured is not None and self._measured[0] == self._time:
-            return self._measured[1]
-        noise, chance = self._pose_noise.row()
-        data = self._measurement
-        kept = (1.0 - data.dropout) * (1.0 - self._settings.pose_dropout)
-        pose = None
-        if chance < kept:
-            north, east, heading = place = self._position
-            w_north, w_east, w_heading = self._waves.motion(place, self._velocity_ned(), self._time)[0]
-            if self._settings.sensor_noise:
-                e_north, e_east, e_heading = noise.tolist()
-                w_north += data.position_noise * e_north
-                w_east += data.position_noise * e_east
-                w_heading += data.heading_noise * e_heading
-            pose = np.array([north + w_north, east + w_east, wrap_angle(heading + w_heading)])
-        self._measured = (self._time, pose)
-        return pose
-
     def measure_wind(self) -> FloatArray | None:
         """Return what the anemometer shows now: see :class:`VesselSimulator`."""
         if not self._has_wind_sensor:
@@ -189,8 +159,6 @@ class Simulator(VesselSimulator):
         u, v, r = velocity = self._velocity()
         with_current = self._hull.hydrodynamic_force(*self._relative)
         without = self._hull.hydrodynamic_force(u, v, r)
-        state = self._plant.state.T.copy()
-        depth, flow = self._water_at_propellers()
         return SimulatorTruth(
             time=self._time,
             position=np.array(place),
@@ -203,14 +171,7 @@ class Simulator(VesselSimulator):
             wind_force=np.array(self._wind.force(self._time, place[2], u, v)),
             current=np.array(self._current),
             thruster_force=self._motion[THRUSTER_X:].copy(),
-            thrust=state[columns.THRUST],
-            azimuth=wrap_angles(state[columns.AZIMUTH]),
-            shaft_speed=state[columns.SHAFT_SPEED],
-            pitch_ratio=state[columns.PITCH_RATIO],
-            thrust_loss=state[columns.THRUST_LOSS],
-            torque_loss=state[columns.TORQUE_LOSS],
-            submergence=depth,
-            advance_speed=flow,
+            **self._thruster_truth(),
         )
 
     def elevation(self, north: float, east: float) -> float:
@@ -292,6 +253,18 @@ class Simulator(VesselSimulator):
         c, s = math.cos(heading), math.sin(heading)
         north, east = self._current
         return c * u - s * v + north, s * u + c * v + east
+
+    def _pose(self, noise: FloatArray) -> FloatArray:
+        """Return what the sensors of the pose show now: see :class:`VesselSimulator`."""
+        data = self._measurement
+        north, east, heading = place = self._position
+        w_north, w_east, w_heading = self._waves.motion(place, self._velocity_ned(), self._time)[0]
+        if self._settings.sensor_noise:
+            e_north, e_east, e_heading = noise.tolist()
+            w_north += data.position_noise * e_north
+            w_east += data.position_noise * e_east
+            w_heading += data.heading_noise * e_heading
+        return np.array([north + w_north, east + w_east, wrap_angle(heading + w_heading)])
 
     def _observe(self) -> SimulatorOutput:
         """Read the thruster sensors."""

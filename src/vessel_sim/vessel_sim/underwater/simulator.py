@@ -11,7 +11,6 @@ from marine_model.frames import (
     attitude_to_quaternion,
     quaternion_to_attitude,
     wrap_angle,
-    wrap_angles,
 )
 from marine_model.guards import FloatArray
 from marine_model.vessel import Vessel
@@ -62,9 +61,7 @@ class UnderwaterSimulator(VesselSimulator):
         self._wrench: FloatArray = np.array(vessel.columns6, order="C")
         n = len(vessel.thrusters)
         self._pose_noise, self._thruster_noise = noise_streams(settings.seed, 6, 2 * n)
-        self._measured: tuple[float, FloatArray | None] | None = None
 
-        self._time = 0.0
         start = settings.initial
         motion: FloatArray = np.zeros(MOTION)
         motion[NORTH], motion[EAST], motion[DEPTH], motion[HEADING] = (
@@ -80,18 +77,14 @@ class UnderwaterSimulator(VesselSimulator):
         self._current_source = Current(settings.current, settings.seed)
         self._settings = settings
         self.apply(settings)
-        depth, flow = self._water_at_propellers()
-        self._plant.flood(flow if settings.propulsion.inflow else np.zeros(n), depth)
-        self._output = self._observe()
+        self._begin()
 
     def apply(self, settings: SimulatorSettings) -> None:
         """Take over ``settings`` from the next step on: see :class:`VesselSimulator`."""
         self._check(settings)
         self._current_source.settings = settings.current
         self._set_current()
-        self._plant.ventilation = settings.propulsion.ventilation
-        self._plant.fail(settings.propulsion.failed, settings.propulsion.azimuth_failed)
-        self._settings = settings
+        self._take_over(settings)
 
     def step(self, inputs: SimulatorInputs, dt: float) -> SimulatorOutput:
         """Sail on by ``dt``: see :class:`VesselSimulator`."""
@@ -119,27 +112,6 @@ class UnderwaterSimulator(VesselSimulator):
         self._output = self._observe()
         return self._output
 
-    def check_pitch(self, pitch_ratio: FloatArray) -> None:
-        """Refuse set points of pitch that :meth:`step` would refuse: see :class:`VesselSimulator`."""
-        self._plant.check_pitch(pitch_ratio)
-
-    def measure(self) -> FloatArray | None:
-        """Return the measured pose now, shape (6,): see :class:`VesselSimulator`."""
-        if self._measured is not None and self._measured[0] == self._time:
-            return self._measured[1]
-        noise, chance = self._pose_noise.row()
-        data = self._vessel.measurement
-        pose = None
-        if chance < (1.0 - data.dropout) * (1.0 - self._settings.pose_dropout):
-            north, east, heading = self._horizontal_position().tolist()
-            pose = np.array([north, east, *self._vertical_position().tolist(), heading])
-            if self._settings.sensor_noise:
-                place, turn = data.position_noise, data.attitude_noise
-                pose += noise * np.array([place, place, data.depth_noise, turn, turn, data.heading_noise])
-            pose[5] = wrap_angle(pose[5])
-        self._measured = (self._time, pose)
-        return pose
-
     def measure_wind(self) -> FloatArray | None:
         """Return None: there is no wind below the surface."""
         return None
@@ -150,8 +122,6 @@ class UnderwaterSimulator(VesselSimulator):
         body = self._body
         current_force = body.hydrodynamic_force(self._motion[VELOCITY:RIGID]) - body.hydrodynamic_force(velocity)
         thruster_force = self._motion[THRUSTERS:HEADING].copy()
-        state = self._plant.state.T.copy()
-        depth, flow = self._water_at_propellers()
         return SimulatorTruth(
             time=self._time,
             position=self._horizontal_position(),
@@ -164,14 +134,7 @@ class UnderwaterSimulator(VesselSimulator):
             wind_force=np.zeros(3),
             current=np.array(self._current),
             thruster_force=thruster_force[_HORIZONTAL],
-            thrust=state[columns.THRUST],
-            azimuth=wrap_angles(state[columns.AZIMUTH]),
-            shaft_speed=state[columns.SHAFT_SPEED],
-            pitch_ratio=state[columns.PITCH_RATIO],
-            thrust_loss=state[columns.THRUST_LOSS],
-            torque_loss=state[columns.TORQUE_LOSS],
-            submergence=depth,
-            advance_speed=flow,
+            **self._thruster_truth(),
             vertical_position=self._vertical_position(),
             vertical_velocity=velocity[_VERTICAL],
             current_force6=current_force,
@@ -215,6 +178,17 @@ class UnderwaterSimulator(VesselSimulator):
         """Return submergence (m) and advance speed (m/s) of all propellers now, shape (n,) each."""
         azimuth = self._plant.state[:, columns.AZIMUTH].copy()
         return water_at(self._motion, self._position, self._wrench, azimuth)
+
+    def _pose(self, noise: FloatArray) -> FloatArray:
+        """Return what the sensors of the pose show now: see :class:`VesselSimulator`."""
+        data = self._vessel.measurement
+        north, east, heading = self._horizontal_position().tolist()
+        pose: FloatArray = np.array([north, east, *self._vertical_position().tolist(), heading])
+        if self._settings.sensor_noise:
+            place, turn = data.position_noise, data.attitude_noise
+            pose += noise * np.array([place, place, data.depth_noise, turn, turn, data.heading_noise])
+        pose[5] = wrap_angle(pose[5])
+        return pose
 
     def _observe(self) -> SimulatorOutput:
         """Read the thruster sensors."""
