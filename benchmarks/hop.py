@@ -88,9 +88,20 @@ def measure_hop(plan: Plan) -> list[Result]:
 
 
 def hops_in_turn(
-    one: Operator, lines: Sequence[Line], requests: Sequence[Iterator[Any]], blocks: int, size: int
+    one: Operator, lines: Sequence[Line], requests: Sequence[Iterator[Any]], blocks: int, size: int, pace: float = 0.0
 ) -> list[list[float]]:
-    """Return the times of hops through two lines, us: blocks of ``size`` requests in turn, after a warm-up of each."""
+    """Return the times of hops through two lines, us: blocks of ``size`` requests in turn, after a warm-up of each.
+
+    A request goes out ``pace`` s after the one before it; with 0 as soon as that is answered.
+    """
+
+    def hop(k: int) -> float:
+        begin = time.perf_counter()
+        taken = lines[k].hop(next(requests[k]))
+        while (left := begin + pace - time.perf_counter()) > 0.0:
+            one.executor.spin_once(timeout_sec=left)
+        return taken / _MICROSECOND
+
     for line, own in zip(lines, requests, strict=True):
         for _ in range(_WARM_UP):
             line.hop(next(own))
@@ -99,7 +110,7 @@ def hops_in_turn(
         # Neither is always first, nor always the one that comes after a pause.
         for k in (0, 1) if block % 2 == 0 else (1, 0):
             one.watch()
-            times[k] += [lines[k].hop(next(requests[k])) / _MICROSECOND for _ in range(size)]
+            times[k] += [hop(k) for _ in range(size)]
     return times
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import time
 from collections.abc import Iterator
 from itertools import count
 
@@ -55,3 +57,27 @@ def test_the_first_line_stands_beside_the_second() -> None:
     assert p99.name == "hop_p99"
     assert p99.value <= 3.0
     assert median.note == "round trip, 3 requests each in alternate blocks, load 0.1"
+
+
+def test_a_pace_is_kept_between_requests() -> None:
+    begun: list[float] = []
+
+    class Spun(Watched):
+        """Its executor waits for as long as it is asked to."""
+
+        class executor:  # noqa: N801
+            @staticmethod
+            def spin_once(timeout_sec: float) -> None:
+                time.sleep(timeout_sec)
+
+    class Timed(Line):
+        def hop(self, request: int) -> float:
+            begun.append(time.perf_counter())
+            return super().hop(request)
+
+    lines = Timed("a", []), Timed("b", [])
+    times = hops_in_turn(Spun(), lines, (numbers(), numbers()), blocks=1, size=3, pace=0.02)
+    after_warm_up = begun[2 * WARM_UP :]
+    assert min(after - before for before, after in itertools.pairwise(after_warm_up)) >= 0.02
+    # What is waited for the next one is no part of a hop.
+    assert times[0] == pytest.approx([WARM_UP + k for k in range(3)])
