@@ -32,11 +32,14 @@ def is_there(operator: Operator, name: str) -> bool:
 
 
 def unheard(operator: Operator, listener: str) -> list[str]:
-    """Return the topics of the graph's nodes to which node ``listener`` does not listen; hidden ones do not count."""
+    """Return the topics of the graph's nodes and of the operator to which node ``listener`` does not listen.
+
+    Hidden ones do not count.
+    """
     node, namespace = operator.node, operator.node.get_namespace()
     topics = {
         topic
-        for name in set(present(operator))
+        for name in {*present(operator), node.get_name()}
         for topic, _ in node.get_publisher_names_and_types_by_node(name, namespace)
     }
     return sorted(

@@ -16,6 +16,7 @@ from dp_bringup.parameter_service import RemoteParameters
 from dp_bringup.supervisor import Supervisor
 from dp_bringup.workspace import SIMULATOR_PACKAGE
 from dp_node import RING_PUBLISHER, from_nanoseconds, to_nanoseconds
+from dp_node.hand_over import hand_over
 from dp_tools.clock_reader import ClockReader
 from dp_tools.scenario import Event, Scenario
 from dp_tools.six_axes import pose_parts, wrench_parts
@@ -70,6 +71,7 @@ class Conductor:
         clock = ClockReader(self._operator.node)
         try:
             self._play(clock, progress)
+            hand_over((self._setpoint, self._joystick, self._path))
         finally:
             clock.close()
 

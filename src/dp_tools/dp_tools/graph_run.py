@@ -172,13 +172,20 @@ class GraphRun:
                     is_up = True
                     # A graph that announces itself late has been heard of by now.
                     self._refuse_company(one, ours=1)
+                    # Made first: the recorder shall hear its topics as well.
+                    conductor = None if self.scenario is None else Conductor(one, self.scenario, supervisor)
                     if self.record:
                         one.wait_until(
                             lambda: recording.over or not unheard(one, RECORDER_EARS),
                             START_SECONDS,
                             "the recorder to listen",
                         )
-                    self._conduct(one, say, progress, supervisor)
+                    if conductor is None:
+                        say("running; Ctrl-C stops")
+                        one.wait_until(lambda: False, None, "Ctrl-C")
+                    else:
+                        say("sailing")
+                        conductor.play(progress)
                     arrived(children.running)
             except KeyboardInterrupt as error:
                 interrupted = error
@@ -248,20 +255,6 @@ class GraphRun:
         one.watch = watch
         one.wait_until(lambda: supervisor.all_up, START_SECONDS * len(NODES), "the nodes to come up")
         return supervisor
-
-    def _conduct(
-        self,
-        one: Operator,
-        say: Callable[[str], None],
-        progress: Callable[[float], None],
-        supervisor: Supervisor | None,
-    ) -> None:
-        if self.scenario is None:
-            say("running; Ctrl-C stops")
-            one.wait_until(lambda: False, None, "Ctrl-C")
-            return
-        say("sailing")
-        Conductor(one, self.scenario, supervisor).play(progress)
 
     def _names(self) -> list[str | Path]:
         return ["-r", f"__ns:=/{self.namespace.strip('/')}"] if self.namespace else []
