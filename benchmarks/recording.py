@@ -32,8 +32,9 @@ from marine_model import load_vessel
 
 _WANTED = 20_000  # messages a second
 _SENDERS = 4
-# What a publisher keeps, as in the ring; and for a burst, more than the recorder's readers hold.
-_DEPTH = 1000
+# A publisher keeps a second of what it sends; a topic of the ring, at 100 Hz at most, keeps ten. For a burst, more than
+# the recorder's readers hold.
+_DEPTH = 5000
 _BURST_DEPTH = 10_000
 _BURST = 4000  # messages of each sender, less than the 5000 that a reader of the middleware holds
 # So many times more blocks than for the plain hop, and as much shorter: what else the machine does falls on both.
