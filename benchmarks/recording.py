@@ -179,7 +179,7 @@ def _hop(plan: Plan) -> list[Result]:
         one.wait_until(lambda: lines[1].ready() and lines[0].ready(listeners=2), _SECONDS, "the allocators to be there")
         number = _FINER * plan.hop_blocks, plan.hop_requests // _FINER
         close = hops_in_turn(one, lines, requests, *number)
-        paced = hops_in_turn(one, lines, requests, max(2, number[0] // _FEWER), number[1], pace)
+        paced = hops_in_turn(one, lines, requests, number[0] // _FEWER, number[1], pace)
     load = f"load {os.getloadavg()[0]:.1f}"
     return [
         *hop_results("hop_recorded", paced, "not recorded", 1.1, f", {1.0 / pace:.0f} requests a second, {load}"),
